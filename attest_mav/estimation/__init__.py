@@ -1,0 +1,1 @@
+"""From samples to estimates and judgements: time base, alignment, lanes, pipeline, verdict."""

@@ -1,0 +1,1 @@
+"""The attitude filters: values with a pure step."""

@@ -1,0 +1,100 @@
+"""What every filter is: a frozen record of parameters with ``initial`` and a pure ``step`` on an immutable state.
+
+A snapshot is the state itself, a split run is a state kept and used again, and several lanes are several states of
+one filter. No filter reads a clock: ``dt_s`` is the time since the previous sample, on the sensor's clock.
+"""
+
+from abc import abstractmethod
+from math import nan
+from typing import Final
+
+from attest_mav.types import ImuSample, North, Quat, Vec3
+
+MAX_CORRECTION_DT_S: Final = 0.05
+"""A correction after a gap counts for at most this long, s: the reading is one reading however long the gap was."""
+
+
+class Start:
+    """Where a filter begins: the outcome of alignment.
+
+    q_nb: body to NED, heading as ``north`` says. gyro_bias: rad/s, zero if the vehicle was not still.
+    accel, mag: the averaged readings behind it (m/s^2; gauss or None).
+    """
+
+    def __init__(self, q_nb: Quat, gyro_bias: Vec3, north: North, accel: Vec3, mag: Vec3 | None) -> None:
+        self.q_nb: Final = q_nb
+        self.gyro_bias: Final = gyro_bias
+        self.north: Final = north
+        self.accel: Final = accel
+        self.mag: Final = mag
+
+
+class Aids:
+    """What is known besides the inertial sample, at the time of the sample. NaN means not known.
+
+    forward_speed: along the nose, m/s, with ``forward_speed_fresh`` True only on the sample that first carries a new
+    value. stationary: the vehicle stands still. latitude: rad. declination: rad, east positive.
+    """
+
+    def __init__(
+        self,
+        forward_speed: float = nan,
+        forward_speed_fresh: bool = False,
+        stationary: bool = False,
+        latitude: float = nan,
+        declination: float = nan,
+    ) -> None:
+        self.forward_speed: Final = forward_speed
+        self.forward_speed_fresh: Final = forward_speed_fresh
+        self.stationary: Final = stationary
+        self.latitude: Final = latitude
+        self.declination: Final = declination
+
+
+class FilterState:
+    """What all states share; each filter adds its own fields, its innovation among them.
+
+    q_nb: unit, body to NED. gyro_bias: rad/s, subtracted from the gyro. accel_used, mag_used: whether the last step
+    used that sensor. tilt_sigma, heading_sigma: 1-sigma in rad, NaN for a filter without covariance.
+    """
+
+    def __init__(
+        self,
+        q_nb: Quat,
+        gyro_bias: Vec3,
+        accel_used: bool,
+        mag_used: bool,
+        tilt_sigma: float = nan,
+        heading_sigma: float = nan,
+    ) -> None:
+        self.q_nb: Final = q_nb
+        self.gyro_bias: Final = gyro_bias
+        self.accel_used: Final = accel_used
+        self.mag_used: Final = mag_used
+        self.tilt_sigma: Final = tilt_sigma
+        self.heading_sigma: Final = heading_sigma
+
+
+class AttitudeFilter:
+    """The protocol. Subclasses are frozen dataclasses of parameters.
+
+    A state made by one filter goes only into that filter's ``step``, which narrows it by a cast (the compiler
+    refuses dataclasses with a generic base, so the type cannot say it).
+    """
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """The name users type, for example ``gradient-descent``."""
+
+    @abstractmethod
+    def initial(self, start: Start) -> FilterState:
+        """The state right after alignment."""
+
+    @abstractmethod
+    def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: Aids) -> FilterState:
+        """The state ``dt_s`` seconds later, 0 < dt_s <= 1, given the sample taken then.
+
+        Never raises on bad readings: a sensor that is missing, not finite or out of its gate is not used, and the
+        state says so.
+        """

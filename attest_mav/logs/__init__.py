@@ -1,0 +1,1 @@
+"""Recorded flights, read as the samples that a live link would have given."""

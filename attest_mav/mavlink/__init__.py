@@ -1,0 +1,1 @@
+"""The wire: framing, decoding into SI samples, encoding, and the manners of a component."""

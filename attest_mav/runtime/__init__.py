@@ -1,0 +1,1 @@
+"""The only package that waits, reads clocks and opens files and sockets."""

@@ -1,0 +1,34 @@
+"""Compiles the core ahead of time when a wheel is built; everything else is in pyproject.toml.
+
+An editable install is never compiled, so that no stale binary can shadow a source. Where no C compiler works, the
+extensions are optional and the very same files run interpreted.
+"""
+
+import sys
+from pathlib import Path
+
+from setuptools import setup
+
+CORE = ["types.py", "algebra.py", "filters", "estimation", "mavlink"]
+
+
+def core_extensions():
+    """The extension modules of the core, or none when this is not a wheel build."""
+    if "bdist_wheel" not in sys.argv:
+        return []
+    from mypyc.build import mypycify
+
+    package = Path("attest_mav")
+    sources = []
+    for entry in CORE:
+        path = package / entry
+        sources += sorted(path.glob("*.py")) if path.is_dir() else [path]
+    # __init__ files hold no code; left interpreted, they keep the packages ordinary folders.
+    modules = [str(source) for source in sources if source.name != "__init__.py"]
+    extensions = mypycify(["--config-file", "pyproject.toml", *modules], opt_level="3", debug_level="0")
+    for extension in extensions:
+        extension.optional = True
+    return extensions
+
+
+setup(ext_modules=core_extensions())
