@@ -18,15 +18,18 @@ class Start:
     """Where a filter begins: the outcome of alignment.
 
     q_nb: body to NED, heading as ``north`` says. gyro_bias: rad/s, zero if the vehicle was not still.
-    accel, mag: the averaged readings behind it (m/s^2; gauss or None).
+    accel, mag: the averaged readings behind it (m/s^2; gauss or None). at_rest: whether the vehicle was still.
     """
 
-    def __init__(self, q_nb: Quat, gyro_bias: Vec3, north: North, accel: Vec3, mag: Vec3 | None) -> None:
+    def __init__(
+        self, q_nb: Quat, gyro_bias: Vec3, north: North, accel: Vec3, mag: Vec3 | None, at_rest: bool = True
+    ) -> None:
         self.q_nb: Final = q_nb
         self.gyro_bias: Final = gyro_bias
         self.north: Final = north
         self.accel: Final = accel
         self.mag: Final = mag
+        self.at_rest: Final = at_rest
 
 
 class Aids:

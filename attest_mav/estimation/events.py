@@ -1,0 +1,75 @@
+"""What the pipeline says: events of a lane, and what is to be published. Estimates and verdicts are events too."""
+
+from enum import IntEnum
+from typing import Final
+
+from attest_mav.types import Estimate
+
+
+class LaneEventKind(IntEnum):
+    """What happened to a lane."""
+
+    ALIGNED = 0
+    """Alignment succeeded; estimates follow."""
+    GAP = 1
+    """Samples are missing (0.1 to 1 s); the filter goes on across the gap."""
+    RESTARTED = 2
+    """More than 1 s of samples is missing, or the filter failed: alignment starts again."""
+    REBOOTED = 3
+    """The sensor clock went back: the autopilot restarted, and so does alignment."""
+    STOPPED = 4
+    """No usable sample for the configured time: nothing is published."""
+    FROZEN = 5
+    """The sensor repeats one reading while it claims to turn: its samples are ignored until they change."""
+    HEADING_LOST = 6
+    """No magnetometer for 10 s: the heading is dead-reckoned."""
+    HEADING_FOUND = 7
+    """The magnetometer is back."""
+
+
+class LaneEvent:
+    """Something a person may want to know about a lane. ``text`` is one line for the log."""
+
+    def __init__(self, lane: str, kind: LaneEventKind, t_ns: int, rx_ns: int, text: str) -> None:
+        self.lane: Final = lane
+        self.kind: Final = kind
+        self.t_ns: Final = t_ns
+        self.rx_ns: Final = rx_ns
+        self.text: Final = text
+
+
+class Publication:
+    """This estimate is due to be sent."""
+
+    def __init__(self, estimate: Estimate) -> None:
+        self.estimate: Final = estimate
+
+
+class Agreement(IntEnum):
+    """The verdict on the autopilot's attitude."""
+
+    UNDECIDED = 0
+    AGREE = 1
+    DISAGREE = 2
+
+
+class Verdict:
+    """Whether the autopilot's attitude agrees with ours, and why we say so.
+
+    reason: a code for machines, one of ``attest_mav.estimation.verdict.REASONS``. tilt, heading: the differences,
+    rad, NaN where they cannot be compared. source: the message judged.
+    """
+
+    def __init__(
+        self, agreement: Agreement, reason: str, tilt: float, heading: float, source: str, t_ns: int, rx_ns: int
+    ) -> None:
+        self.agreement: Final = agreement
+        self.reason: Final = reason
+        self.tilt: Final = tilt
+        self.heading: Final = heading
+        self.source: Final = source
+        self.t_ns: Final = t_ns
+        self.rx_ns: Final = rx_ns
+
+
+Event = Estimate | LaneEvent | Publication | Verdict

@@ -1,0 +1,164 @@
+"""The pipeline: samples in; estimates, publications, lane events and verdicts out. It never waits and reads no clock.
+
+Live, replay and simulation drive the same object: ``handle`` for every sample, ``poll`` when ``next_deadline_ns``
+has come. Each inertial message is a lane of its own. The primary lane is the first of ``sources``, or where none are
+given the first message that arrives; it alone is published and compared with the autopilot, by its first filter.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import nan
+from typing import Final
+
+from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Publication, Verdict
+from attest_mav.estimation.lane import Lane
+from attest_mav.estimation.verdict import Judge, VerdictSettings
+from attest_mav.filters.base import Aids, AttitudeFilter
+from attest_mav.types import AttitudeSample, Estimate, ImuSample, Sample
+
+_NS: Final = 1_000_000_000
+
+
+@dataclass(frozen=True)
+class PipelineSettings:
+    """How often to publish, and when to stop.
+
+    publish_hz: highest rate of publications, on the sensor's clock. stale_s: without an estimate for this long there
+    is none. verdict: thresholds of the comparison with the autopilot.
+    """
+
+    publish_hz: float = 50.0
+    stale_s: float = 0.5
+    verdict: VerdictSettings = field(default_factory=VerdictSettings)
+
+
+class Pipeline:
+    """One vehicle's samples to its estimates and verdict.
+
+    filters: run side by side on every lane; the first one is published. sources: names of the inertial messages to
+    use; empty takes the first that arrives. The caller passes samples of one vehicle only.
+    """
+
+    def __init__(
+        self, settings: PipelineSettings, filters: Sequence[AttitudeFilter], sources: Sequence[str] = ()
+    ) -> None:
+        self.lanes: Final[dict[str, Lane]] = {}
+        self.estimate: Estimate | None = None
+        """The newest estimate of the primary lane, None while there is none that holds."""
+        self.verdict: Verdict | None = None
+        """The newest verdict."""
+        self._settings = settings
+        self._filters = list(filters)
+        self._sources = list(sources)
+        self._judge = Judge(settings.verdict)
+        self._declination = nan
+        self._next_publication_ns = -1
+        self._attitude_source = ""
+        self._attitude_rx_ns = -1
+
+    @property
+    def primary(self) -> str:
+        """Name of the primary lane's message, "" before one is known."""
+        return self._sources[0] if self._sources else ""
+
+    def set_declination(self, declination: float) -> None:
+        """Refer headings to true north from now on; rad, east positive."""
+        self._declination = declination
+
+    def handle(self, sample: Sample) -> list[Event]:
+        """Take one sample, in order of arrival; what follows from it, in order."""
+        if isinstance(sample, ImuSample):
+            return self._handle_imu(sample)
+        if isinstance(sample, AttitudeSample):
+            return self._handle_attitude(sample)
+        return []
+
+    def poll(self, now_ns: int) -> list[Event]:
+        """What follows from nothing having come until ``now_ns`` (host clock)."""
+        events: list[Event] = []
+        estimate = self.estimate
+        if estimate is not None and now_ns >= estimate.rx_ns + self._stale_ns():
+            self.estimate = None
+            self._judge.forget_estimate()
+            text = f"no usable sample for {self._settings.stale_s:g} s: nothing is published"
+            events.append(LaneEvent(estimate.lane, LaneEventKind.STOPPED, estimate.t_ns, now_ns, text))
+            events.append(self._undecided("no-estimate", now_ns))
+        elif self._attitude_rx_ns >= 0 and now_ns >= self._reference_deadline_ns():
+            self._attitude_rx_ns = -1
+            events.append(self._undecided("no-reference", now_ns))
+        return events
+
+    @property
+    def next_deadline_ns(self) -> int | None:
+        """When ``poll`` has something to say if nothing comes, on the host clock; None while nothing is pending."""
+        deadlines = []
+        if self.estimate is not None:
+            deadlines.append(self.estimate.rx_ns + self._stale_ns())
+        if self._attitude_rx_ns >= 0:
+            deadlines.append(self._reference_deadline_ns())
+        return min(deadlines) if deadlines else None
+
+    def _handle_imu(self, sample: ImuSample) -> list[Event]:
+        """Run the sample's lane; publish and remember what the primary lane says."""
+        source = sample.source
+        if not self._sources:
+            self._sources.append(source)
+        if source not in self._sources:
+            return []
+        lane = self.lanes.get(source)
+        if lane is None:
+            lane = Lane(source, self._filters)
+            self.lanes[source] = lane
+        events = lane.handle(sample, Aids(declination=self._declination), self._declination)
+        if source == self._sources[0]:
+            self._follow_primary(lane, events)
+        return events
+
+    def _follow_primary(self, lane: Lane, events: list[Event]) -> None:
+        """Take over the first filter's new estimate, or forget the old one when the lane aligns again."""
+        if not lane.aligned:
+            self.estimate = None
+            self._judge.forget_estimate()
+            return
+        for event in events:
+            if isinstance(event, Estimate):
+                self.estimate = event
+                self._judge.take_estimate(event)
+                if self._due(event):
+                    events.append(Publication(event))
+                return
+
+    def _due(self, estimate: Estimate) -> bool:
+        """True when the publishing rate allows this estimate; the schedule is kept on the sensor's clock."""
+        period_ns = int(_NS / self._settings.publish_hz)
+        ahead_ns = self._next_publication_ns - estimate.t_ns
+        # A tenth of a period early still counts: timestamps in whole milliseconds jitter around the schedule.
+        if period_ns // 10 < ahead_ns <= period_ns:
+            return False
+        if -period_ns <= ahead_ns <= period_ns:
+            self._next_publication_ns += period_ns
+        else:
+            self._next_publication_ns = estimate.t_ns + period_ns
+        return True
+
+    def _handle_attitude(self, sample: AttitudeSample) -> list[Event]:
+        """Judge the autopilot's attitude: ATTITUDE_QUATERNION where it arrives, else ATTITUDE."""
+        if sample.source == "ATTITUDE" and self._attitude_source == "ATTITUDE_QUATERNION":
+            if sample.rx_ns < self._reference_deadline_ns():
+                return []
+        elif sample.source not in ("ATTITUDE", "ATTITUDE_QUATERNION"):
+            return []
+        self._attitude_source = sample.source
+        self._attitude_rx_ns = sample.rx_ns
+        self.verdict = self._judge.judge(sample)
+        return [self.verdict]
+
+    def _undecided(self, reason: str, now_ns: int) -> Verdict:
+        self.verdict = Verdict(Agreement.UNDECIDED, reason, nan, nan, self._attitude_source, -1, now_ns)
+        return self.verdict
+
+    def _stale_ns(self) -> int:
+        return int(self._settings.stale_s * _NS)
+
+    def _reference_deadline_ns(self) -> int:
+        return self._attitude_rx_ns + int(self._settings.verdict.stale_s * _NS)

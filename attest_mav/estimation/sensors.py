@@ -1,0 +1,75 @@
+"""Which readings of a lane can be believed: sensors that freeze, and magnetometers that have stopped."""
+
+from typing import Final
+
+from attest_mav.algebra import norm
+from attest_mav.types import ImuSample, Vec3
+
+FROZEN_S: Final = 1.0
+"""Bit-identical readings for this long while they claim a turn mean a frozen sensor."""
+FROZEN_MIN_SAMPLES: Final = 5
+FROZEN_RATE: Final = 0.02
+"""rad/s: a vehicle at rest may well repeat one quantised reading, so slower ones prove nothing."""
+FIELD_TURN: Final = 0.6
+"""rad: a magnetometer that has not changed while the vehicle turned this far has stopped measuring. The slowest
+telemetry in use holds a field for 0.1 s, in which a fast copter turns 0.25 rad."""
+
+
+class FreezeDetector:
+    """Finds an inertial sensor that repeats itself."""
+
+    def __init__(self) -> None:
+        self._gyro: Vec3 = (0.0, 0.0, 0.0)
+        self._accel: Vec3 = (0.0, 0.0, 0.0)
+        self._same_s = 0.0
+        self._same_count = 0
+
+    def frozen(self, sample: ImuSample, dt_s: float) -> bool:
+        """True while the readings, this one included, are frozen."""
+        if sample.gyro == self._gyro and sample.accel == self._accel:
+            self._same_s += dt_s
+            self._same_count += 1
+        else:
+            self._gyro = sample.gyro
+            self._accel = sample.accel
+            self._same_s = 0.0
+            self._same_count = 0
+        return self._same_s >= FROZEN_S and self._same_count >= FROZEN_MIN_SAMPLES and norm(self._gyro) > FROZEN_RATE
+
+
+class FieldMonitor:
+    """Withholds a magnetometer reading that no longer follows the vehicle, and knows how long there was none."""
+
+    def __init__(self) -> None:
+        self._last: Vec3 = (0.0, 0.0, 0.0)
+        self._turned = 0.0
+        self.absent_s = 0.0
+        """Time since a field could last be used, s."""
+
+    def usable(self, sample: ImuSample, turn: float, dt_s: float) -> bool:
+        """True when the sample's field can be used. ``turn``: angle turned since the sample before, rad."""
+        mag = sample.mag
+        self._turned += turn
+        if mag is not None and mag != self._last:
+            self._last = mag
+            self._turned = 0.0
+        if mag is None or self._turned > FIELD_TURN:
+            self.absent_s += dt_s
+            return False
+        self.absent_s = 0.0
+        return True
+
+
+def without_field(sample: ImuSample) -> ImuSample:
+    """The same sample with no magnetometer."""
+    return ImuSample(
+        sample.source,
+        sample.system,
+        sample.component,
+        sample.t_ns,
+        sample.rx_ns,
+        sample.gyro,
+        sample.accel,
+        None,
+        sample.saturated,
+    )

@@ -1,0 +1,82 @@
+"""Time steps from the timestamps that the messages carry: gaps, repeats, reordering, wraps and reboots."""
+
+from enum import IntEnum
+from typing import Final
+
+GAP_S: Final = 0.1
+"""A longer step is a gap: the filter goes on, and the gap is counted."""
+RESTART_S: Final = 1.0
+"""After a longer one the motion in between is lost: the filter starts again."""
+
+WRAP_NS: Final = (1 << 32) * 1_000_000
+"""Millisecond clocks of 32 bits wrap after 49.7 days."""
+WRAP_WINDOW_NS: Final = 60_000_000_000
+"""A backward jump is a wrap only if the clock, continued past the wrap, would have moved on by at most this."""
+
+_RESTART_NS: Final = 1_000_000_000
+
+
+class StepKind(IntEnum):
+    """What a timestamp means after the one before it."""
+
+    FIRST = 0
+    STEP = 1
+    """An ordinary step of at most ``GAP_S``."""
+    GAP = 2
+    """A step of ``GAP_S`` to ``RESTART_S``."""
+    RESTART = 3
+    """A longer one."""
+    REBOOT = 4
+    """The clock went back by more than a second."""
+    REPEAT = 5
+    """The same timestamp again: the same sample again."""
+    LATE = 6
+    """Up to a second back: out of order, to be dropped."""
+
+
+class TimeStep:
+    """One classified step. ``dt_s`` is positive for STEP, GAP and RESTART and 0 otherwise.
+
+    ``t_ns`` is the timestamp unwrapped: it grows as long as the autopilot runs.
+    """
+
+    def __init__(self, kind: StepKind, dt_s: float, t_ns: int) -> None:
+        self.kind: Final = kind
+        self.dt_s: Final = dt_s
+        self.t_ns: Final = t_ns
+
+
+def wrapped_difference_ns(a_ns: int, b_ns: int) -> int:
+    """a - b for two instants of one autopilot, of which one may have wrapped and the other not."""
+    return (a_ns - b_ns + WRAP_NS // 2) % WRAP_NS - WRAP_NS // 2
+
+
+class TimeBase:
+    """Classifies the timestamps of one lane, in order of arrival."""
+
+    def __init__(self) -> None:
+        self._last_ns = -1
+        self._wrapped_ns = 0
+
+    def advance(self, t_ns: int) -> TimeStep:
+        """Classify the next timestamp (ns, as the message carries it). REPEAT and LATE leave the time as it was."""
+        now_ns = t_ns + self._wrapped_ns
+        if self._last_ns < 0:
+            self._last_ns = now_ns
+            return TimeStep(StepKind.FIRST, 0.0, now_ns)
+        delta_ns = now_ns - self._last_ns
+        if 0 < delta_ns + WRAP_NS <= WRAP_WINDOW_NS:
+            self._wrapped_ns += WRAP_NS
+            now_ns += WRAP_NS
+            delta_ns += WRAP_NS
+        if -_RESTART_NS <= delta_ns <= 0:
+            return TimeStep(StepKind.REPEAT if delta_ns == 0 else StepKind.LATE, 0.0, now_ns)
+        self._last_ns = now_ns
+        if delta_ns < 0:
+            self._wrapped_ns = 0
+            self._last_ns = t_ns
+            return TimeStep(StepKind.REBOOT, 0.0, t_ns)
+        dt_s = delta_ns * 1e-9
+        if dt_s <= GAP_S:
+            return TimeStep(StepKind.STEP, dt_s, now_ns)
+        return TimeStep(StepKind.GAP if dt_s <= RESTART_S else StepKind.RESTART, dt_s, now_ns)
