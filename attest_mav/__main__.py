@@ -1,0 +1,5 @@
+"""``python -m attest_mav`` is ``attest-mav``."""
+
+from attest_mav.cli.main import main
+
+main()

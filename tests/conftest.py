@@ -1,0 +1,24 @@
+"""Fixtures for all tests."""
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).parent.parent
+
+
+@pytest.fixture(scope="session")
+def command() -> list[str]:
+    """How to start the installed attest-mav as a process: -P keeps a checkout from shadowing an installed wheel."""
+    return [sys.executable, "-P", "-m", "attest_mav"]
+
+
+@pytest.fixture(scope="session")
+def data_folder() -> Path:
+    """The folder of full flight logs, beside the checkout or named by ATTEST_MAV_DATA; tests skip without it."""
+    folder = Path(os.environ.get("ATTEST_MAV_DATA", REPOSITORY.parent / "shared" / "data"))
+    if not folder.is_dir():
+        pytest.skip(f"full flight logs not found at {folder}; set ATTEST_MAV_DATA")
+    return folder
