@@ -16,22 +16,28 @@ telemetry in use holds a field for 0.1 s, in which a fast copter turns 0.25 rad.
 
 
 class FreezeDetector:
-    """Finds an inertial sensor that repeats itself."""
+    """Finds an inertial sensor that repeats itself.
+
+    The magnetometer must repeat too: one that changes with the turn vouches for the gyro (a simulator without noise
+    can turn at an exactly steady rate, its field turning with it).
+    """
 
     def __init__(self) -> None:
         self._gyro: Vec3 = (0.0, 0.0, 0.0)
         self._accel: Vec3 = (0.0, 0.0, 0.0)
+        self._mag: Vec3 | None = None
         self._same_s = 0.0
         self._same_count = 0
 
     def frozen(self, sample: ImuSample, dt_s: float) -> bool:
         """True while the readings, this one included, are frozen."""
-        if sample.gyro == self._gyro and sample.accel == self._accel:
+        if sample.gyro == self._gyro and sample.accel == self._accel and sample.mag == self._mag:
             self._same_s += dt_s
             self._same_count += 1
         else:
             self._gyro = sample.gyro
             self._accel = sample.accel
+            self._mag = sample.mag
             self._same_s = 0.0
             self._same_count = 0
         return self._same_s >= FROZEN_S and self._same_count >= FROZEN_MIN_SAMPLES and norm(self._gyro) > FROZEN_RATE
