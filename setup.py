@@ -9,7 +9,7 @@ from pathlib import Path
 
 from setuptools import setup
 
-CORE = ["types.py", "algebra.py", "filters", "estimation", "mavlink"]
+CORE = ["types.py", "algebra.py", "matrices.py", "filters", "estimation", "mavlink"]
 
 
 def core_extensions():
@@ -22,7 +22,7 @@ def core_extensions():
     sources = []
     for entry in CORE:
         path = package / entry
-        sources += sorted(path.glob("*.py")) if path.is_dir() else [path]
+        sources += sorted(path.rglob("*.py")) if path.is_dir() else [path]
     # __init__ files hold no code; left interpreted, they keep the packages ordinary folders.
     modules = [str(source) for source in sources if source.name != "__init__.py"]
     extensions = mypycify(["--config-file", "pyproject.toml", *modules], opt_level="3", debug_level="0")

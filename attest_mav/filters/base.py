@@ -8,7 +8,7 @@ from abc import abstractmethod
 from math import nan
 from typing import Final
 
-from attest_mav.types import ImuSample, North, Quat, Vec3
+from attest_mav.types import ImuSample, North, Quat, Vec3, VelocitySample
 
 MAX_CORRECTION_DT_S: Final = 0.05
 """A correction after a gap counts for at most this long, s: the reading is one reading however long the gap was."""
@@ -36,7 +36,8 @@ class Aids:
     """What is known besides the inertial sample, at the time of the sample. NaN means not known.
 
     forward_speed: along the nose, m/s, with ``forward_speed_fresh`` True only on the sample that first carries a new
-    value. stationary: the vehicle stands still. latitude: rad. declination: rad, east positive.
+    value. stationary: the vehicle stands still. latitude: rad. declination: rad, east positive. velocity: the newest
+    one over ground, None while none is fresh enough, with ``velocity_fresh`` as above. airspeed: m/s.
     """
 
     def __init__(
@@ -46,12 +47,20 @@ class Aids:
         stationary: bool = False,
         latitude: float = nan,
         declination: float = nan,
+        velocity: VelocitySample | None = None,
+        velocity_fresh: bool = False,
+        airspeed: float = nan,
+        airspeed_fresh: bool = False,
     ) -> None:
         self.forward_speed: Final = forward_speed
         self.forward_speed_fresh: Final = forward_speed_fresh
         self.stationary: Final = stationary
         self.latitude: Final = latitude
         self.declination: Final = declination
+        self.velocity: Final = velocity
+        self.velocity_fresh: Final = velocity_fresh
+        self.airspeed: Final = airspeed
+        self.airspeed_fresh: Final = airspeed_fresh
 
 
 class FilterState:
