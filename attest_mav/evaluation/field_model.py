@@ -1,0 +1,47 @@
+"""The declination of the Earth's field at a place and date, by the World Magnetic Model."""
+
+from dataclasses import dataclass
+from typing import Final
+
+SECONDS_PER_YEAR: Final = 31_556_952.0
+"""Mean Gregorian year. The field moves by 0.2 degrees a year at most where people fly: days do not matter."""
+FIRST_YEAR: Final = 2010.0
+"""Start of the oldest model at hand."""
+LAST_YEAR: Final = 2030.0
+"""End of the newest."""
+NEWEST_MODEL_YEAR: Final = 2025.0
+PLAUSIBLE_YEAR: Final = 2005.0
+"""Clocks that say less were never set (1970, 1980, 2000): MAVLink is younger."""
+
+
+@dataclass(frozen=True)
+class Declination:
+    """What turns magnetic into true headings. ``degrees`` is positive east; ``source`` says where it comes from."""
+
+    degrees: float
+    source: str
+
+
+def declination_at(latitude_deg: float, longitude_deg: float, altitude_m: float, unix_s: float) -> Declination:
+    """The declination there and then. A date that no model covers is answered by the nearest one, which says so."""
+    # Costs 40 ms and is needed by few commands.
+    from pygeomag import GeoMag  # noqa: PLC0415
+
+    year, remark = _model_year(1970.0 + unix_s / SECONDS_PER_YEAR)
+    model = GeoMag(base_year=min(year, LAST_YEAR - 1.0))
+    field = model.calculate(
+        glat=latitude_deg, glon=longitude_deg, alt=1e-3 * altitude_m, time=year, allow_date_outside_lifespan=True
+    )
+    place = f"{latitude_deg:.3f}, {longitude_deg:.3f}"
+    return Declination(float(field.d), f"{model.model} at {place} in {year:.1f}{remark}")
+
+
+def _model_year(year: float) -> tuple[float, str]:
+    """The year to look the field up for, and a remark when it is not the year of the log."""
+    if year < PLAUSIBLE_YEAR:
+        return NEWEST_MODEL_YEAR, f" (the log's clock says {year:.0f}; the newest model's first year is taken)"
+    if year < FIRST_YEAR:
+        return FIRST_YEAR, f" (the log is of {year:.1f}; the oldest model begins here)"
+    if year > LAST_YEAR:
+        return LAST_YEAR, f" (the log is of {year:.1f}; the newest model ends here)"
+    return year, ""

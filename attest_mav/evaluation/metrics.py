@@ -1,0 +1,70 @@
+"""Errors gathered in compact columns, and the figures made of them."""
+
+from array import array
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import degrees, floor, fsum, sqrt
+from typing import Final
+
+P95: Final = 0.95
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Figures of one kind of error, degrees: root mean square, 95th percentile and largest of the absolute values."""
+
+    rms: float
+    p95: float
+    max: float
+
+
+class ErrorColumns:
+    """Tilt and heading errors (rad) of one attitude against the reference; 16 bytes a sample.
+
+    The heading has fewer entries than the tilt when it was not always referred to a north.
+    """
+
+    def __init__(self) -> None:
+        self._tilt = array("d")
+        self._heading = array("d")
+
+    def add(self, tilt: float, heading: float | None) -> None:
+        """Take the errors of one sample, rad; ``heading`` is None when it means nothing."""
+        self._tilt.append(tilt)
+        if heading is not None:
+            self._heading.append(heading)
+
+    @property
+    def samples(self) -> int:
+        """Samples whose tilt was compared."""
+        return len(self._tilt)
+
+    @property
+    def heading_samples(self) -> int:
+        """Samples whose heading was compared."""
+        return len(self._heading)
+
+    def tilt(self) -> Spread | None:
+        """Figures of the tilt error; None without samples."""
+        return spread(self._tilt)
+
+    def heading(self) -> Spread | None:
+        """Figures of the heading error; None without samples."""
+        return spread(self._heading)
+
+
+def spread(errors: Sequence[float]) -> Spread | None:
+    """Figures of a column of errors in rad; None when it is empty."""
+    if not errors:
+        return None
+    ordered = sorted(map(abs, errors))
+    rms = sqrt(fsum(error * error for error in ordered) / len(ordered))
+    return Spread(degrees(rms), degrees(percentile(ordered, P95)), degrees(ordered[-1]))
+
+
+def percentile(ordered: list[float], share: float) -> float:
+    """The value below which ``share`` of the ordered values lie, between neighbours by linear interpolation."""
+    position = share * (len(ordered) - 1)
+    below = floor(position)
+    above = min(below + 1, len(ordered) - 1)
+    return ordered[below] + (position - below) * (ordered[above] - ordered[below])
