@@ -37,7 +37,8 @@ class Aids:
 
     forward_speed: along the nose, m/s, with ``forward_speed_fresh`` True only on the sample that first carries a new
     value. stationary: the vehicle stands still. latitude: rad. declination: rad, east positive. velocity: the newest
-    one over ground, None while none is fresh enough, with ``velocity_fresh`` as above. airspeed: m/s.
+    one over ground, None while none is fresh enough, with ``velocity_fresh`` as above. airspeed: m/s. heading: from
+    another source than the magnetometer, rad from the filter's north; finite only on the samples that carry one.
     """
 
     def __init__(
@@ -51,6 +52,7 @@ class Aids:
         velocity_fresh: bool = False,
         airspeed: float = nan,
         airspeed_fresh: bool = False,
+        heading: float = nan,
     ) -> None:
         self.forward_speed: Final = forward_speed
         self.forward_speed_fresh: Final = forward_speed_fresh
@@ -61,6 +63,7 @@ class Aids:
         self.velocity_fresh: Final = velocity_fresh
         self.airspeed: Final = airspeed
         self.airspeed_fresh: Final = airspeed_fresh
+        self.heading: Final = heading
 
 
 class FilterState:
