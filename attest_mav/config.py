@@ -1,0 +1,183 @@
+"""The configuration: TOML text in, frozen and checked records out. Every error names the file and the key.
+
+The records are the reference: each field's name carries its unit, its type carries its range, and its default is
+the default. configs/attest-mav.toml says what each key means, and a test keeps the two alike. No file is read here.
+"""
+
+import tomllib
+from math import cos, radians, sin
+from typing import Annotated, Literal, Self
+
+import msgspec
+from msgspec import Meta
+
+from attest_mav.config_text import check_finite, check_keys, readable
+from attest_mav.errors import ConfigError, UsageError
+from attest_mav.estimation.pipeline import PipelineSettings
+from attest_mav.estimation.verdict import VerdictSettings
+from attest_mav.filters.base import AttitudeFilter
+from attest_mav.filters.gradient_descent import FixedField, GradientDescent
+from attest_mav.link_url import parse_link
+
+SystemId = Annotated[int, Meta(ge=0, le=255)]
+ComponentId = Annotated[int, Meta(ge=1, le=255)]
+RateHz = Annotated[float, Meta(gt=0.0, le=1000.0)]
+Seconds = Annotated[float, Meta(ge=0.1, le=3600.0)]
+ImuMessage = Literal["RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "SCALED_IMU3", "HIGHRES_IMU"]
+Output = Literal["attitude_quaternion", "attitude_quaternion_cov", "named_values"]
+
+
+class _Record(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What all records share: frozen, keyword-only, no unknown keys."""
+
+
+class VehicleConfig(_Record, frozen=True):
+    """Which vehicle: 0 takes the only one that is heard."""
+
+    system_id: SystemId = 0
+
+
+class OutputConfig(_Record, frozen=True):
+    """Under which ids we speak (system 0: the vehicle's), and how often the attitude is sent."""
+
+    system_id: SystemId = 0
+    component_id: ComponentId = 193
+    rate_hz: RateHz = 20.0
+
+
+class LinkConfig(_Record, frozen=True):
+    """One link, and what is sent on it."""
+
+    url: str
+    publish: tuple[Output, ...] = ("attitude_quaternion",)
+    yield_to_onboard: bool = True
+    wait: bool = True
+
+
+class StreamsConfig(_Record, frozen=True):
+    """What the autopilot is asked to send. ``imu_messages``: in order of preference; empty goes by the autopilot."""
+
+    request: bool = True
+    restore: bool = False
+    imu_messages: tuple[ImuMessage, ...] = ()
+    imu_hz: RateHz = 50.0
+    attitude_hz: RateHz = 10.0
+    gps_hz: RateHz = 5.0
+
+
+class GradientDescentConfig(_Record, frozen=True):
+    """Parameters of the gradient-descent filter, as in ``attest_mav.filters.gradient_descent``."""
+
+    beta: Annotated[float, Meta(gt=0.0, le=10.0)] = GradientDescent.beta
+    full_fusion: bool = GradientDescent.full_fusion
+    alpha: Annotated[float, Meta(gt=1.0)] = GradientDescent.alpha
+    exponential: bool = GradientDescent.exponential
+    reference_dip_deg: Literal["estimate"] | Annotated[float, Meta(ge=-90.0, le=90.0)] = "estimate"
+    min_accel_g: Annotated[float, Meta(ge=0.0, le=1.0)] = GradientDescent.min_accel_g
+    max_accel_g: Annotated[float, Meta(ge=1.0, le=100.0)] = GradientDescent.max_accel_g
+
+    def build(self) -> AttitudeFilter:
+        """The filter with these parameters."""
+        dip = self.reference_dip_deg
+        field = None if isinstance(dip, str) else FixedField(cos(radians(dip)), sin(radians(dip)))
+        return GradientDescent(
+            beta=self.beta,
+            full_fusion=self.full_fusion,
+            alpha=self.alpha,
+            exponential=self.exponential,
+            field=field,
+            min_accel_g=self.min_accel_g,
+            max_accel_g=self.max_accel_g,
+        )
+
+
+class FilterConfig(_Record, frozen=True):
+    """The filter that is published, and the parameters of each: one table a filter, named like it."""
+
+    name: Literal["gradient-descent"] = "gradient-descent"
+    gradient_descent: GradientDescentConfig = msgspec.field(
+        name="gradient-descent", default_factory=GradientDescentConfig
+    )
+
+    def build(self) -> AttitudeFilter:
+        """The chosen filter."""
+        chosen = {"gradient-descent": self.gradient_descent}
+        return chosen[self.name].build()
+
+
+class EstimateConfig(_Record, frozen=True):
+    """When an estimate is too old, and what north is. ``declination_deg``: east positive, or from the position."""
+
+    stale_s: Annotated[float, Meta(ge=0.05, le=60.0)] = 0.5
+    declination_deg: Literal["auto"] | Annotated[float, Meta(ge=-180.0, le=180.0)] = "auto"
+
+
+class VerdictConfig(_Record, frozen=True):
+    """When the autopilot's attitude counts as wrong; the heading's threshold is twice the tilt's."""
+
+    tilt_deg: Annotated[float, Meta(gt=0.0, le=90.0)] = 10.0
+    hold_s: Annotated[float, Meta(ge=0.0, le=60.0)] = 1.0
+    release: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.7
+    max_sigma_deg: Annotated[float, Meta(gt=0.0, le=90.0)] = 5.0
+    stale_s: Seconds = 1.0
+
+
+class LogConfig(_Record, frozen=True):
+    """What goes to stderr, and how often the status line does."""
+
+    level: Literal["debug", "info", "warning", "error"] = "info"
+    status_s: Seconds = 10.0
+
+
+class Config(_Record, frozen=True):
+    """Everything that can be configured."""
+
+    vehicle: VehicleConfig = VehicleConfig()
+    output: OutputConfig = OutputConfig()
+    link: tuple[LinkConfig, ...] = ()
+    streams: StreamsConfig = StreamsConfig()
+    filter: FilterConfig = FilterConfig()
+    estimate: EstimateConfig = EstimateConfig()
+    verdict: VerdictConfig = VerdictConfig()
+    log: LogConfig = LogConfig()
+
+    def with_links(self, urls: tuple[str, ...]) -> Self:
+        """The same with other links, each with the default outputs: what ``--link`` means."""
+        return msgspec.structs.replace(self, link=tuple(LinkConfig(url=url) for url in urls))
+
+    def pipeline_settings(self) -> PipelineSettings:
+        """The pipeline's settings, in radians."""
+        verdict = VerdictSettings(
+            tilt=radians(self.verdict.tilt_deg),
+            hold_s=self.verdict.hold_s,
+            release=self.verdict.release,
+            max_sigma=radians(self.verdict.max_sigma_deg),
+            stale_s=self.verdict.stale_s,
+        )
+        return PipelineSettings(self.output.rate_hz, self.estimate.stale_s, verdict)
+
+
+def parse_config(text: str, name: str) -> Config:
+    """Check the TOML ``text`` of the file ``name``; ConfigError says in one line what is wrong with which key."""
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{name}: not valid TOML: {error}") from None
+    try:
+        check_keys(data, Config, "")
+        check_finite(data, "")
+        config = msgspec.convert(data, Config)
+    except msgspec.ValidationError as error:
+        raise ConfigError(f"{name}: {readable(str(error), data, Config)}") from None
+    except ValueError as error:
+        raise ConfigError(f"{name}: {error}") from None
+    _check_links(config, name)
+    return config
+
+
+def _check_links(config: Config, name: str) -> None:
+    for index, link in enumerate(config.link):
+        try:
+            parse_link(link.url)
+        except UsageError as error:
+            raise ConfigError(f"{name}: link[{index}].url: {error}") from None
