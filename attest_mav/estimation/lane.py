@@ -17,11 +17,12 @@ from attest_mav.algebra import (
     rotate,
     sub,
 )
+from attest_mav.estimation.aiding import Aiding, AidSettings
 from attest_mav.estimation.alignment import Aligner
 from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind
 from attest_mav.estimation.sensors import FieldMonitor, FreezeDetector, without_field
 from attest_mav.estimation.timebase import StepKind, TimeBase, TimeStep
-from attest_mav.filters.base import Aids, AttitudeFilter, FilterState, Start
+from attest_mav.filters.base import AttitudeFilter, FilterState, Start
 from attest_mav.types import Estimate, ImuSample, North, Quat, Vec3
 
 HEADING_MEMORY_S: Final = 10.0
@@ -47,8 +48,9 @@ class Lane:
     frozen (repeated by a frozen sensor).
     """
 
-    def __init__(self, source: str, filters: list[AttitudeFilter]) -> None:
+    def __init__(self, source: str, filters: list[AttitudeFilter], aids: AidSettings) -> None:
         self.source: Final = source
+        self.aiding: Final = Aiding(aids)
         self.samples = 0
         self.repeats = 0
         self.late = 0
@@ -71,8 +73,8 @@ class Lane:
         """True once the filters run."""
         return self._aligned
 
-    def handle(self, sample: ImuSample, aids: Aids, declination: float) -> list[Event]:
-        """Take the next sample of this source. ``declination`` (rad) refers headings to true north; NaN: unknown."""
+    def handle(self, sample: ImuSample) -> list[Event]:
+        """Take the next sample of this source. What aids the filters was given to ``aiding`` before."""
         events: list[Event] = []
         if not is_finite(sample.gyro):
             self.rejected += 1
@@ -90,9 +92,9 @@ class Lane:
         if not self._aligned:
             self._align(sample, step.dt_s, events)
         else:
-            self._step(sample, step.dt_s, aids, events)
+            self._step(sample, step.dt_s, events)
         if self._aligned:
-            self._estimate(sample, step, declination, events)
+            self._estimate(sample, step, events)
         return events
 
     def _in_order(self, step: TimeStep, sample: ImuSample, events: list[Event]) -> bool:
@@ -142,11 +144,13 @@ class Lane:
         heading = "magnetic heading" if start.north == North.MAGNETIC else "no heading: it starts at zero"
         self._tell(events, LaneEventKind.ALIGNED, sample, f"aligned {manner}, {heading}")
 
-    def _step(self, sample: ImuSample, dt_s: float, aids: Aids, events: list[Event]) -> None:
+    def _step(self, sample: ImuSample, dt_s: float, events: list[Event]) -> None:
         """One step of every filter; one that leaves the unit sphere sends the lane back to alignment."""
+        self.aiding.advance(sample, dt_s)
         for track in self._tracks:
             if track.state is None:
                 continue
+            aids = self.aiding.aids(sample, track.output, track.north)
             track.state = track.filter.step(track.state, dt_s, sample, aids)
             length = q_norm(track.state.q_nb)
             if not isfinite(length) or length < 0.5:
@@ -154,6 +158,7 @@ class Lane:
                 self._restart(sample, events, LaneEventKind.RESTARTED, f"{track.filter.name} failed: aligning again")
                 return
             self._judge_heading(track, track.state, sample, events)
+        self.aiding.given()
 
     def _judge_heading(self, track: Track, state: FilterState, sample: ImuSample, events: list[Event]) -> None:
         """Keep ``track.north`` true: lost after a time without field, found when field and heading agree."""
@@ -165,9 +170,10 @@ class Lane:
             track.north = North.MAGNETIC
             self._tell(events, LaneEventKind.HEADING_FOUND, sample, "the heading is magnetic again")
 
-    def _estimate(self, sample: ImuSample, step: TimeStep, declination: float, events: list[Event]) -> None:
+    def _estimate(self, sample: ImuSample, step: TimeStep, events: list[Event]) -> None:
         """Append every filter's estimate at this sample."""
         self.last_rx_ns = sample.rx_ns
+        declination = self.aiding.declination
         for track in self._tracks:
             state = track.state
             if state is None:

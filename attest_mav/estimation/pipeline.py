@@ -10,10 +10,11 @@ from dataclasses import dataclass, field
 from math import nan
 from typing import Final
 
+from attest_mav.estimation.aiding import AidSettings
 from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Publication, Verdict
 from attest_mav.estimation.lane import Lane
 from attest_mav.estimation.verdict import Judge, VerdictSettings
-from attest_mav.filters.base import Aids, AttitudeFilter
+from attest_mav.filters.base import AttitudeFilter
 from attest_mav.types import AttitudeSample, Estimate, ImuSample, Sample
 
 _NS: Final = 1_000_000_000
@@ -24,12 +25,13 @@ class PipelineSettings:
     """How often to publish, and when to stop.
 
     publish_hz: highest rate of publications, on the sensor's clock. stale_s: without an estimate for this long there
-    is none. verdict: thresholds of the comparison with the autopilot.
+    is none. verdict: thresholds of the comparison with the autopilot. aids: what aids the filters.
     """
 
     publish_hz: float = 50.0
     stale_s: float = 0.5
     verdict: VerdictSettings = field(default_factory=VerdictSettings)
+    aids: AidSettings = field(default_factory=AidSettings)
 
 
 class Pipeline:
@@ -52,6 +54,7 @@ class Pipeline:
         self._sources = list(sources)
         self._judge = Judge(settings.verdict)
         self._declination = nan
+        self._newest: dict[str, Sample] = {}
         self._next_publication_ns = -1
         self._attitude_source = ""
         self._attitude_rx_ns = -1
@@ -64,6 +67,8 @@ class Pipeline:
     def set_declination(self, declination: float) -> None:
         """Refer headings to true north from now on; rad, east positive."""
         self._declination = declination
+        for lane in self.lanes.values():
+            lane.aiding.declination = declination
 
     def handle(self, sample: Sample) -> list[Event]:
         """Take one sample, in order of arrival; what follows from it, in order."""
@@ -71,6 +76,10 @@ class Pipeline:
             return self._handle_imu(sample)
         if isinstance(sample, AttitudeSample):
             return self._handle_attitude(sample)
+        # One GPS_RAW_INT gives a velocity and a position.
+        self._newest[type(sample).__name__ + sample.source] = sample
+        for lane in self.lanes.values():
+            lane.aiding.take(sample)
         return []
 
     def poll(self, now_ns: int) -> list[Event]:
@@ -107,9 +116,12 @@ class Pipeline:
             return []
         lane = self.lanes.get(source)
         if lane is None:
-            lane = Lane(source, self._filters)
+            lane = Lane(source, self._filters, self._settings.aids)
+            lane.aiding.declination = self._declination
+            for known in self._newest.values():
+                lane.aiding.take(known)
             self.lanes[source] = lane
-        events = lane.handle(sample, Aids(declination=self._declination), self._declination)
+        events = lane.handle(sample)
         if source == self._sources[0]:
             self._follow_primary(lane, events)
         return events
