@@ -1,0 +1,86 @@
+"""What kind of log a file is, from its first bytes."""
+
+from typing import Final, Literal
+
+from attest_mav.errors import UnreadableDataError
+
+LogFormat = Literal["tlog", "dataflash", "ulog"]
+
+HEAD_BYTES: Final = 65536
+"""How much of a file ``detect_format`` wants to see; less will do where the file is shorter."""
+
+_DATAFLASH: Final = b"\xa3\x95"
+_ULOG: Final = b"ULog\x01\x12\x35"
+_STRANGERS: Final = (
+    (b"\x89PNG", "a PNG picture"),
+    (b"\xff\xd8\xff", "a JPEG picture"),
+    (b"%PDF", "a PDF document"),
+    (b"PK\x03\x04", "a zip archive: unpack it first"),
+    (b"\x1f\x8b", "gzip-compressed: unpack it first"),
+    (b"\x7fELF", "a program"),
+    (b"SQLite format 3\0", "an SQLite database"),
+    (b"\x89HDF", "an HDF5 file"),
+    (b"FMT, ", "a DataFlash log written as text: use the binary one"),
+)
+_STAMP_BYTES: Final = 8
+
+
+def detect_format(head: bytes) -> LogFormat | None:
+    """The format of a log that begins with ``head``; None when it is none of the known ones."""
+    if head.startswith(_DATAFLASH):
+        return "dataflash"
+    if head.startswith(_ULOG):
+        return "ulog"
+    return "tlog" if _is_tlog(head) else None
+
+
+def require_format(head: bytes, name: str) -> LogFormat:
+    """The same, or UnreadableDataError that says what the file ``name`` is instead."""
+    if not head:
+        raise UnreadableDataError(f"{name}: the file is empty")
+    found = detect_format(head)
+    if found is None:
+        raise UnreadableDataError(f"{name}: {_what_it_is(head)}; expected a tlog, a DataFlash log (.bin) or a ULog")
+    return found
+
+
+def _is_tlog(head: bytes) -> bool:
+    """Whether two records follow each other near the start, or one makes up the whole or ends beyond it."""
+    for start in range(min(len(head), HEAD_BYTES) - _STAMP_BYTES):
+        behind = _record_end(head, start)
+        if behind == 0:
+            continue
+        if _record_end(head, behind) > 0 or (start == 0 and behind >= len(head)):
+            return True
+    return False
+
+
+def _record_end(data: bytes, start: int) -> int:
+    """Where the record that may start here would end; 0 when it cannot be one."""
+    frame = start + _STAMP_BYTES
+    end = _frame_end(data, frame)
+    plausible_time = data[start : start + 2] in (b"\0\0", b"\0\1", b"\0\2", b"\0\3", b"\0\4", b"\0\5", b"\0\6", b"\0\7")
+    return end if plausible_time else 0
+
+
+def _frame_end(data: bytes, frame: int) -> int:
+    """Where the MAVLink frame that may start here would end; 0 when none can."""
+    if frame + 2 > len(data):
+        return 0
+    if data[frame] == 0xFE:
+        return frame + 8 + data[frame + 1]
+    if data[frame] == 0xFD:
+        signature = 13 if data[frame + 2 : frame + 3] == b"\x01" else 0
+        return frame + 12 + data[frame + 1] + signature
+    return 0
+
+
+def _what_it_is(head: bytes) -> str:
+    """A guess in words."""
+    for magic, words in _STRANGERS:
+        if head.startswith(magic):
+            return f"this is {words}"
+    first = _frame_end(head, 0)
+    if first and _frame_end(head, first):
+        return "this is a bare MAVLink stream, without the time stamps of a tlog"
+    return "this is no log that is known here"

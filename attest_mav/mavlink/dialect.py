@@ -1,0 +1,138 @@
+"""What a MAVLink dialect says about each message: layout, checksum extra, names. Taken from pymavlink, never typed in.
+
+Payloads on the wire hold their fields in ``wire order`` (sorted by size, extensions last); MAVLink 2 cuts trailing
+zeros off, so a payload is extended with zeros before it is unpacked.
+"""
+
+from collections.abc import Mapping
+from importlib import import_module
+from struct import Struct, calcsize
+from typing import Any, Final
+
+from attest_mav.mavlink.checksum import MIRROR
+
+FieldValue = int | float | bytes | list[int] | list[float]
+
+
+class Picked:
+    """Some fields of one message, in wire order, as one packed structure; the others are skipped, and zero when packed.
+
+    An array counts as one name and takes as many values as it has elements; text is one value, bytes.
+    """
+
+    def __init__(self, layout: "Layout", structure: Struct) -> None:
+        self.layout: Final = layout
+        self._structure: Final = structure
+        self._size: Final = structure.size
+
+    def unpack(self, payload: bytes) -> tuple[Any, ...]:
+        """The values; trailing zeros that MAVLink 2 left out are restored."""
+        if len(payload) < self._size:
+            payload = payload.ljust(self._size, b"\0")
+        return self._structure.unpack_from(payload)
+
+    def pack(self, *values: float | bytes) -> bytes:
+        """The payload, trailing zeros not yet cut."""
+        return self._structure.pack(*values)
+
+
+class Layout:
+    """One message of the dialect. ``fields`` are in wire order; ``codes`` are struct's (``h``, ``4f``, ``50s``)."""
+
+    def __init__(self, message_id: int, name: str, crc_extra: int, fields: list[str], codes: list[str]) -> None:
+        self.message_id: Final = message_id
+        self.name: Final = name
+        self.crc_extra: Final = crc_extra
+        self.fields: Final = fields
+        self.codes: Final = codes
+        self.size: Final = calcsize("<" + "".join(codes))
+
+    def pick(self, *names: str) -> Picked:
+        """The named fields as one structure. Raises KeyError for a name that is not there or out of wire order."""
+        parts = ["<"]
+        wanted = list(names)
+        for field, code in zip(self.fields, self.codes, strict=True):
+            if wanted and field == wanted[0]:
+                parts.append(code)
+                wanted.pop(0)
+            else:
+                parts.append(f"{calcsize('<' + code)}x")
+        if wanted:
+            raise KeyError(f"{self.name} has no field {wanted[0]}, or it is named out of wire order")
+        return Picked(self, Struct("".join(parts)))
+
+    def as_dict(self, payload: bytes) -> dict[str, FieldValue]:
+        """All fields by name: arrays as lists, text as bytes up to its first zero."""
+        values: dict[str, FieldValue] = {}
+        offset = 0
+        whole = payload.ljust(self.size, b"\0")
+        for field, code in zip(self.fields, self.codes, strict=True):
+            structure = Struct("<" + code)
+            got = structure.unpack_from(whole, offset)
+            offset += structure.size
+            if code.endswith("s"):
+                values[field] = bytes(got[0]).split(b"\0", 1)[0]
+            else:
+                values[field] = got[0] if code.isalpha() else list(got)
+        return values
+
+    def from_dict(self, values: Mapping[str, Any]) -> bytes:
+        """The payload with these fields and zeros elsewhere. Raises KeyError for a field the message does not have."""
+        unknown = set(values) - set(self.fields)
+        if unknown:
+            raise KeyError(f"{self.name} has no field {', '.join(sorted(unknown))}")
+        payload = b""
+        for field, code in zip(self.fields, self.codes, strict=True):
+            value = values.get(field)
+            if value is None:
+                payload += bytes(calcsize("<" + code))
+            elif code.isalpha() or code.endswith("s"):
+                payload += Struct("<" + code).pack(value)
+            else:
+                payload += Struct("<" + code).pack(*value)
+        return payload
+
+
+class Dialect:
+    """All messages by id and by name, and the table the framer looks checksum extras up in."""
+
+    def __init__(self, layouts: list[Layout]) -> None:
+        self.by_id: Final = {layout.message_id: layout for layout in layouts}
+        self.by_name: Final = {layout.name: layout for layout in layouts}
+        size = max(self.by_id) + 1
+        self.mirrored_extras: Final = [-1] * size
+        """By message id: the CRC extra with its bits reversed, -1 where the dialect has no such message."""
+        for layout in layouts:
+            self.mirrored_extras[layout.message_id] = MIRROR[layout.crc_extra]
+
+    def layout(self, name: str) -> Layout:
+        """The message called ``name``. Raises KeyError."""
+        return self.by_name[name]
+
+    def id_of(self, name: str) -> int:
+        """The id of the message called ``name``. Raises KeyError."""
+        return self.by_name[name].message_id
+
+    def name_of(self, message_id: int) -> str:
+        """The name of a message; ``UNKNOWN_n`` when the dialect has none."""
+        layout = self.by_id.get(message_id)
+        return f"UNKNOWN_{message_id}" if layout is None else layout.name
+
+
+def load_dialect(module: str = "pymavlink.dialects.v20.all") -> Dialect:
+    """The dialect from one of pymavlink's generated modules. ``all`` loads as fast as ``common`` does."""
+    classes = import_module(module).mavlink_map.values()
+    return Dialect([_layout(message) for message in classes])
+
+
+def _layout(message: Any) -> Layout:
+    """The layout of one of pymavlink's message classes."""
+    codes = []
+    for code, length, text in zip(
+        bytes(message.native_format[1:]).decode(), message.lengths, message.array_lengths, strict=True
+    ):
+        if code == "c":
+            codes.append(f"{max(text, 1)}s")
+        else:
+            codes.append(code if length == 1 else f"{length}{code}")
+    return Layout(message.id, message.msgname, message.crc_extra, list(message.ordered_fieldnames), codes)
