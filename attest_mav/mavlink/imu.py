@@ -18,8 +18,6 @@ STALE_TURN_RAD: Final = 1.0
 STALE_TIME_S: Final = 0.5
 """A field that stays the same to the last bit through such a turn and for so long is not being measured."""
 
-_NO_FIELD: Final[Vec3] = (0.0, 0.0, 0.0)
-
 
 class ImuLane:
     """Readings of one sensor to samples, in SI units.
@@ -40,7 +38,7 @@ class ImuLane:
         self._accel_check: Final = MagnitudeCheck(MIN_ACCEL_MPS2, MAX_ACCEL_MPS2, (1.0,))
         self._field_check: Final = MagnitudeCheck(MIN_FIELD_GAUSS, MAX_FIELD_GAUSS, row.field_powers)
         self._held: list[ImuSample] = []
-        self._field: Vec3 = _NO_FIELD
+        self._field: Vec3 = (0.0, 0.0, 0.0)
         self._field_t_ns = 0
         self._last_t_ns = 0
         self._turn_rad = 0.0
@@ -53,7 +51,7 @@ class ImuLane:
         row = self.row
         if not _finite(accel, gyro):
             return self._refuse("a reading is not finite")
-        if accel == _NO_FIELD and gyro == _NO_FIELD:
+        if _is_zero(accel) and _is_zero(gyro):
             return self._refuse("it carries no accelerometer and no gyro (all zero)")
         saturated = row.integer and (_largest(accel) >= SATURATED_RAW or _largest(gyro) >= SATURATED_RAW)
         rates = (gyro[0] * row.gyro, gyro[1] * row.gyro, gyro[2] * row.gyro)
@@ -95,7 +93,7 @@ class ImuLane:
             self._field_t_ns = t_ns
             self._turn_rad = 0.0
         self._last_t_ns = t_ns
-        if field == _NO_FIELD or not isfinite(field[0] + field[1] + field[2]):
+        if _is_zero(field) or not isfinite(field[0] + field[1] + field[2]):
             return False
         return self._turn_rad < STALE_TURN_RAD or (t_ns - self._field_t_ns) * 1e-9 < STALE_TIME_S
 
@@ -160,6 +158,10 @@ def _expectation(sensor: str, check: MagnitudeCheck, unit: str, meaning: str) ->
 
 def _finite(accel: Vec3, gyro: Vec3) -> bool:
     return isfinite(accel[0] + accel[1] + accel[2] + gyro[0] + gyro[1] + gyro[2])
+
+
+def _is_zero(v: Vec3) -> bool:
+    return v[0] == 0.0 and v[1] == 0.0 and v[2] == 0.0
 
 
 def _largest(v: Vec3) -> float:
