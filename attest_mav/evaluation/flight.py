@@ -1,0 +1,143 @@
+"""One recorded flight on its way through the filters: samples in, comparisons out."""
+
+from dataclasses import dataclass
+from math import inf, nan
+from typing import Final
+
+from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
+from attest_mav.estimation.timebase import WRAP_NS
+from attest_mav.evaluation.comparison import Attitude, Comparison, RowSink
+from attest_mav.evaluation.log_time import LogTime, Regularity
+from attest_mav.evaluation.plan import Plan
+from attest_mav.evaluation.stamping import BurstStamp
+from attest_mav.evaluation.track import AttitudeTrack
+from attest_mav.evaluation.weave import Weaver
+from attest_mav.filters.base import AttitudeFilter
+from attest_mav.types import NO_TIME, AttitudeSample, Estimate, ImuSample, North, Sample
+
+AUTOPILOT_ROW: Final = "autopilot"
+"""Name of the autopilot's own attitude among the rows."""
+
+
+@dataclass(frozen=True)
+class Window:
+    """What part of a log is read, and counted; seconds of log time.
+
+    start_s, end_s: only inertial samples between them are taken. skip_s: left out of the figures after alignment.
+    """
+
+    start_s: float = 0.0
+    end_s: float = inf
+    skip_s: float = 30.0
+
+
+class Run:
+    """One filter over the flight."""
+
+    def __init__(self, one: AttitudeFilter, imu: str, declination: float, comparison: Comparison) -> None:
+        self.comparison: Final = comparison
+        self.pipeline: Final = Pipeline(PipelineSettings(), [one], [imu])
+        self.pipeline.set_declination(declination)
+        self.aligned_s = inf
+        """Log time of the first estimate."""
+
+
+class Flight:
+    """Takes the decoded samples of one vehicle in order.
+
+    declination: rad, NaN when it is not known: then headings stay magnetic.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        filters: list[AttitudeFilter],
+        declination: float,
+        window: Window,
+        rows: RowSink | None = None,
+        weaver: Weaver | None = None,
+    ) -> None:
+        track = AttitudeTrack()
+        self.runs: Final = [Run(one, plan.imu, declination, Comparison(one.name, track, rows)) for one in filters]
+        self.autopilot: Final = Comparison(AUTOPILOT_ROW, track, rows) if plan.autopilot is not None else None
+        self.imu: Final = Regularity()
+        self.reference_samples = 0
+        self.sender: Final = plan.sender
+        self._plan: Final = plan
+        self._window: Final = window
+        self._weaver: Final = weaver
+        self._track: Final = track
+        self._time: Final = LogTime()
+        self._stamp: Final = BurstStamp()
+        self._reading = window.start_s <= 0.0
+
+    def take(self, sample: Sample, offset: int) -> None:
+        """Take the next sample. ``offset``: where the record that it came from ends in the log."""
+        if isinstance(sample, ImuSample):
+            if sample.source == self._plan.imu:
+                self._take_imu(sample, offset)
+        elif isinstance(sample, AttitudeSample):
+            self._take_attitude(sample)
+        else:
+            for run in self.runs:
+                run.pipeline.handle(sample)
+
+    def finish(self) -> None:
+        """The log has ended."""
+        for comparison in self._comparisons():
+            comparison.finish()
+        if self._weaver is not None:
+            self._weaver.finish()
+
+    def _comparisons(self) -> list[Comparison]:
+        both = [run.comparison for run in self.runs]
+        return both if self.autopilot is None else [*both, self.autopilot]
+
+    def _take_imu(self, sample: ImuSample, offset: int) -> None:
+        elapsed_s = self._time.advance(sample.t_ns)
+        self._reading = self._window.start_s <= elapsed_s <= self._window.end_s
+        if not self._reading:
+            return
+        self.imu.add(sample.t_ns)
+        for run in self.runs:
+            for event in run.pipeline.handle(sample):
+                if isinstance(event, Estimate):
+                    self._take_estimate(run, event, elapsed_s)
+                    if self._weaver is not None and run is self.runs[0]:
+                        self._weaver.insert(event, offset)
+
+    def _take_estimate(self, run: Run, estimate: Estimate, elapsed_s: float) -> None:
+        run.aligned_s = min(run.aligned_s, elapsed_s)
+        run.comparison.add(
+            Attitude(
+                estimate.t_ns,
+                elapsed_s,
+                estimate.q_nb,
+                estimate.north,
+                estimate.tilt_sigma,
+                estimate.heading_sigma,
+                elapsed_s >= run.aligned_s + self._window.skip_s,
+            )
+        )
+
+    def _take_attitude(self, sample: AttitudeSample) -> None:
+        """The reference, the autopilot's attitude, or the message that lends the reference its time: or two of them."""
+        if sample.source == self._plan.timing:
+            self._stamp.timed(sample.t_ns, sample.rx_ns)
+        if not self._reading:
+            return
+        if sample.source == self._plan.reference:
+            self._take_reference(sample)
+        if sample.source == self._plan.autopilot and self.autopilot is not None:
+            elapsed_s = self._time.at(sample.t_ns)
+            counted = elapsed_s >= self.runs[0].aligned_s + self._window.skip_s
+            self.autopilot.add(Attitude(sample.t_ns, elapsed_s, sample.q_nb, North.TRUE, nan, nan, counted))
+
+    def _take_reference(self, sample: AttitudeSample) -> None:
+        self.reference_samples += 1
+        t_ns = sample.t_ns if sample.t_ns != NO_TIME else self._stamp.time_of_untimed(sample.rx_ns)
+        if t_ns is None:
+            return
+        self._track.add(t_ns % WRAP_NS, sample.q_nb, sample.rates)
+        for comparison in self._comparisons():
+            comparison.settle()

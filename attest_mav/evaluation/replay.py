@@ -1,0 +1,156 @@
+"""Runs filters over a recorded flight and compares them, and the autopilot's own attitude, with a reference.
+
+The log is read twice: a survey counts what is there, and with the plan made of it the second pass decodes only what is
+needed. Every filter gets a pipeline of its own, so that filters run together give what they give apart, bit for bit.
+Nothing grows with the log but the columns of errors and of intervals.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from math import nan, radians
+from mmap import mmap
+from typing import Final
+
+from attest_mav.errors import UnreadableDataError
+from attest_mav.evaluation.comparison import RowSink
+from attest_mav.evaluation.field_model import Declination, declination_at
+from attest_mav.evaluation.flight import Flight, Window
+from attest_mav.evaluation.plan import Plan, make_plan
+from attest_mav.evaluation.survey import Survey
+from attest_mav.evaluation.weave import ByteSink, Weaver
+from attest_mav.filters.base import AttitudeFilter
+from attest_mav.logs.tlog import TlogReader
+from attest_mav.mavlink.decoding import Decoder
+from attest_mav.mavlink.dialect import Dialect
+from attest_mav.mavlink.encoding import Encoder
+
+OUR_COMPONENT: Final = 193
+"""The component id of woven messages, the daemon's default."""
+AID_MESSAGES: Final = ("HEARTBEAT", "VFR_HUD", "GPS_RAW_INT")
+"""What filters are told besides the inertial samples."""
+INERTIAL_FILTERS: Final = ("gradient-descent", "robust-adaptive")
+"""Filters that use nothing else: for them the aids are not even decoded."""
+
+SURVEY_SHARE: Final = 0.2
+"""About the first pass's share of the time, for the progress."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """What to do with each log. imu, reference: message names, None to choose. declination_deg: None to look it up."""
+
+    filters: tuple[AttitudeFilter, ...]
+    imu: str | None = None
+    reference: str | None = None
+    declination_deg: float | None = None
+    window: Window = field(default_factory=Window)
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """Where things go besides the result.
+
+    rows: every attitude with its errors. woven: the log with the first filter's attitudes. progress: is told the
+    share of the work done, 0 to 1, every few hundred kilobytes.
+    """
+
+    rows: RowSink | None = None
+    woven: ByteSink | None = None
+    progress: Callable[[float], None] | None = None
+
+
+@dataclass(frozen=True)
+class Replay:
+    """What came of one log. declination: None when headings stayed magnetic."""
+
+    survey: Survey
+    plan: Plan
+    declination: Declination | None
+    flight: Flight
+
+
+def replay(buffer: mmap | bytes, dialect: Dialect, request: Request, outputs: Outputs) -> Replay:
+    """Replay a tlog. UnreadableDataError says what is missing in it."""
+    survey = _survey(buffer, dialect, outputs.progress)
+    plan = make_plan(survey, request.imu, request.reference)
+    declination = _declination(survey, plan, request.declination_deg)
+    weaver = None
+    if outputs.woven is not None:
+        weaver = Weaver(buffer, outputs.woven, Encoder(dialect, plan.sender[0], OUR_COMPONENT))
+    flight = Flight(
+        plan,
+        list(request.filters),
+        nan if declination is None else radians(declination.degrees),
+        request.window,
+        outputs.rows,
+        weaver,
+    )
+    decoder = _taught_decoder(dialect, survey, plan)
+    _fly(buffer, decoder, flight, TlogReader(buffer, dialect, _wanted(dialect, request, plan)), outputs.progress)
+    if not flight.imu.samples:
+        reason = "; ".join(decoder.refusals.values()) or "the part to be read has none"
+        raise UnreadableDataError(f"no usable {plan.imu}: {reason}")
+    return Replay(survey, plan, declination, flight)
+
+
+def _survey(buffer: mmap | bytes, dialect: Dialect, progress: Callable[[float], None] | None) -> Survey:
+    """The first pass."""
+    survey = Survey(dialect)
+    reader = TlogReader(buffer, dialect, survey.wanted)
+    for frames in reader.batches():
+        survey.take(frames)
+        if progress is not None and frames:
+            progress(SURVEY_SHARE * frames[-1].offset / len(buffer))
+    survey.frames = reader.frames
+    survey.bad_bytes = reader.bad_bytes
+    if not survey.frames:
+        raise UnreadableDataError("no MAVLink message in it; expected a telemetry log (tlog)")
+    return survey
+
+
+def _declination(survey: Survey, plan: Plan, given_deg: float | None) -> Declination | None:
+    """As given, else looked up at the vehicle's first good position, on the day of the recording."""
+    if given_deg is not None:
+        return Declination(given_deg, "given")
+    position = survey.positions.get(plan.sender[0])
+    if position is None:
+        return None
+    return declination_at(
+        position.latitude_deg, position.longitude_deg, position.altitude_m, unix_s=position.rx_ns * 1e-9
+    )
+
+
+def _wanted(dialect: Dialect, request: Request, plan: Plan) -> frozenset[int]:
+    """Ids of the messages to decode in the second pass."""
+    names = {plan.imu, plan.reference, plan.autopilot, plan.timing} - {None}
+    if any(one.name not in INERTIAL_FILTERS for one in request.filters):
+        names.update(AID_MESSAGES)
+    return frozenset(dialect.id_of(name) for name in names if name is not None)
+
+
+def _taught_decoder(dialect: Dialect, survey: Survey, plan: Plan) -> Decoder:
+    """A decoder that knows the autopilot from the start, also where its first heartbeat comes late."""
+    decoder = Decoder(dialect)
+    heartbeat = survey.heartbeats.get(plan.sender)
+    if heartbeat is not None:
+        decoder.decode(heartbeat)
+    return decoder
+
+
+def _fly(
+    buffer: mmap | bytes,
+    decoder: Decoder,
+    flight: Flight,
+    reader: TlogReader,
+    progress: Callable[[float], None] | None,
+) -> None:
+    """The second pass."""
+    system, component = flight.sender
+    for frames in reader.batches():
+        for frame in frames:
+            if frame.system == system and frame.component == component:
+                for sample in decoder.decode(frame):
+                    flight.take(sample, frame.offset + frame.size)
+        if progress is not None and frames:
+            progress(SURVEY_SHARE + (1.0 - SURVEY_SHARE) * frames[-1].offset / len(buffer))
+    flight.finish()

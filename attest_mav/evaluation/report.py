@@ -1,0 +1,60 @@
+"""The result of a replay as the JSON object of the contract."""
+
+from typing import Any
+
+from attest_mav.evaluation.comparison import Comparison
+from attest_mav.evaluation.metrics import Spread
+from attest_mav.evaluation.replay import Replay
+
+DIGITS = 6
+"""Decimals of a degree, a second or a hertz: more than any of them is good for."""
+
+
+def as_json(name: str, log_format: str, replay: Replay) -> dict[str, Any]:
+    """The object that ``replay --json`` prints for the log called ``name``."""
+    survey, plan, flight = replay.survey, replay.plan, replay.flight
+    rate_hz, gaps = flight.imu.rate_and_gaps()
+    return {
+        "log": name,
+        "format": log_format,
+        "frames": survey.frames,
+        "bad_bytes": survey.bad_bytes,
+        "duration_s": round(survey.duration_s, DIGITS),
+        "vehicle": {"system": plan.sender[0], "component": plan.sender[1]},
+        "imu": {
+            "message": plan.imu,
+            "samples": flight.imu.samples,
+            "rate_hz": None if rate_hz is None else round(rate_hz, DIGITS),
+            "gaps": gaps,
+        },
+        "north": _north(replay),
+        "reference": None
+        if plan.reference is None
+        else {"message": plan.reference, "samples": flight.reference_samples},
+        "filters": [{"name": run.comparison.name, **_errors(run.comparison)} for run in flight.runs],
+        "autopilot": None if flight.autopilot is None else {"message": plan.autopilot, **_errors(flight.autopilot)},
+    }
+
+
+def _north(replay: Replay) -> dict[str, Any]:
+    """What headings are referred to, and why."""
+    declination = replay.declination
+    if declination is None:
+        return {"reference": "magnetic", "declination_deg": None, "source": None}
+    return {
+        "reference": "true",
+        "declination_deg": round(declination.degrees, DIGITS),
+        "source": declination.source,
+    }
+
+
+def _errors(comparison: Comparison) -> dict[str, Any]:
+    errors = comparison.errors
+    return {"samples": errors.samples, "tilt_deg": _spread(errors.tilt()), "heading_deg": _spread(errors.heading())}
+
+
+def _spread(spread: Spread | None) -> dict[str, float] | None:
+    """Figures, or None where nothing could be compared."""
+    if spread is None:
+        return None
+    return {"rms": round(spread.rms, DIGITS), "p95": round(spread.p95, DIGITS), "max": round(spread.max, DIGITS)}
