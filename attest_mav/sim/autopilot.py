@@ -1,0 +1,162 @@
+"""The fake autopilot: a vehicle with a true motion, sensors with errors, and a MAVLink personality. No I/O.
+
+Time is an argument, integer nanoseconds from 0, the start of the simulation. Inside, it advances in ticks: at every
+sensor tick (at least 400 a second) all sensors take a sample; at every loop tick (one in so many sensor ticks) what
+has arrived is answered and what is due is sent. Nothing depends on when or how often the methods are called, so one
+seed and one series of inputs give the same bytes always::
+
+    vehicle = FakeAutopilot(SimSettings(scenario="square"), seed=1)
+    vehicle.handle(data, now_ns)                 whenever bytes arrive
+    for frame in vehicle.frames_until(now_ns):   at next_deadline_ns, or later
+        ...
+"""
+
+from typing import Final
+
+from attest_mav.errors import UsageError
+from attest_mav.mavlink.dialect import Dialect, load_dialect
+from attest_mav.mavlink.encoding import Encoder
+from attest_mav.mavlink.framing import Frame, Framer
+from attest_mav.sim.commands import UNDERSTOOD, Commands
+from attest_mav.sim.messages import Messages, within
+from attest_mav.sim.motion import Motion
+from attest_mav.sim.personality import IMU_MESSAGES, personality_of
+from attest_mav.sim.report import AttitudeReport
+from attest_mav.sim.sensors import SensorSuite
+from attest_mav.sim.settings import SimSettings
+from attest_mav.sim.streams import Streams
+from attest_mav.sim.trajectory import make_trajectory
+
+COMPONENT: Final = 1
+"""MAV_COMP_ID_AUTOPILOT1."""
+
+SENSOR_RATE_HZ: Final = 400
+"""Sensors take at least so many samples a second, however slow the loop is."""
+
+MAX_RATE_HZ: Final = 1000
+"""The fastest stream, and the fastest loop."""
+
+REBOOT_S: Final = 2.0
+"""How long a restart keeps silent."""
+
+
+class FakeAutopilot:
+    """One vehicle. Raises UsageError for settings that make no sense."""
+
+    def __init__(self, settings: SimSettings, seed: int, dialect: Dialect | None = None) -> None:
+        self.settings = settings
+        self.personality = personality_of(settings.personality)
+        self.trajectory = make_trajectory(settings.scenario, seed)
+        self.loop_hz = self._checked_loop_rate()
+        self.oversample = -(-SENSOR_RATE_HZ // self.loop_hz)
+        self.sensor_hz = self.loop_hz * self.oversample
+        dialect = load_dialect() if dialect is None else dialect
+        firmware = self.personality
+        self.sensors = SensorSuite(
+            self.trajectory,
+            settings.errors,
+            settings.earth.field_ned(),
+            self.sensor_hz,
+            firmware.lowpass_hz,
+            firmware.mag_period_ns,
+            firmware.mag_per_mean,
+            settings.first_fix_s,
+            seed,
+        )
+        report = AttitudeReport(self.trajectory, settings.attitude_error, settings.faults, seed)
+        self.messages = Messages(settings, firmware, dialect, self.trajectory, self.sensors, report)
+        self.commands = Commands(settings.system, COMPONENT, firmware, dialect)
+        self.framer = Framer(dialect, frozenset(dialect.id_of(name) for name in UNDERSTOOD))
+        self.dialect = dialect
+        self.encoder = Encoder(dialect, settings.system, COMPONENT)
+        self.inbox: list[Frame] = []
+        self.tick = 0
+        self.boot_ns = 0
+        self.silent_until_ns = 0
+        self.reboot_ns = round(min(settings.faults.reboot_at_s, 1e9) * 1e9)
+        self.streams = self._booted_streams()
+
+    def _checked_loop_rate(self) -> int:
+        settings, firmware = self.settings, self.personality
+        rate = settings.fast_rate_hz
+        if rate is not None and not 1.0 <= rate <= MAX_RATE_HZ:
+            raise UsageError(f"rate {rate:g} Hz is out of range: expected 1 to {MAX_RATE_HZ}")
+        usual = firmware.plane_loop_hz if self.trajectory.is_plane else firmware.copter_loop_hz
+        loop_hz = settings.loop_rate_hz or usual
+        if not 10 <= loop_hz <= MAX_RATE_HZ:
+            raise UsageError(f"loop rate {loop_hz} Hz is out of range: expected 10 to {MAX_RATE_HZ}")
+        return loop_hz
+
+    def _booted_streams(self) -> Streams:
+        return Streams(self.personality, self.loop_hz, self.settings.fast_rate_hz)
+
+    # --- the outside -------------------------------------------------------------------------------------------
+
+    def handle(self, data: bytes, now_ns: int) -> None:
+        """Take bytes from the link; they are acted upon at the next loop tick."""
+        self.inbox.extend(self.framer.feed(data, now_ns))
+
+    def frames_until(self, now_ns: int) -> list[bytes]:
+        """All frames that were sent since the last call, up to and including ``now_ns``, oldest first."""
+        out: list[bytes] = []
+        while (t_ns := self.tick * 1_000_000_000 // self.sensor_hz) <= now_ns:
+            motion = self._sample(t_ns)
+            if self.tick % self.oversample == 0:
+                self._loop(t_ns, motion, out)
+            self.tick += 1
+        return out
+
+    @property
+    def next_deadline_ns(self) -> int:
+        """When ``frames_until`` will have something, or may: the loop tick at which the next message is due."""
+        due_ns = max(self.boot_ns + self.streams.next_ns, self.silent_until_ns)
+        if self.inbox:
+            due_ns = min(due_ns, self.inbox[0].rx_ns)
+        loop = max(-(-due_ns * self.loop_hz // 1_000_000_000), -(-self.tick // self.oversample))
+        return self._time_of(loop * self.oversample)
+
+    def truth(self, t_ns: int) -> Motion:
+        """The true motion at any time."""
+        return self.trajectory.at(t_ns * 1e-9)
+
+    # --- the inside --------------------------------------------------------------------------------------------
+
+    def _time_of(self, tick: int) -> int:
+        return tick * 1_000_000_000 // self.sensor_hz
+
+    def _sample(self, t_ns: int) -> Motion:
+        motion = self.trajectory.at(t_ns * 1e-9)
+        self.sensors.update(t_ns, motion, saturated=within(self.settings.faults.imu_saturated, t_ns * 1e-9))
+        return motion
+
+    def _loop(self, t_ns: int, motion: Motion, out: list[bytes]) -> None:
+        if t_ns >= self.reboot_ns > self.boot_ns:
+            self._reboot(t_ns)
+        arrived = self._take_inbox(t_ns)
+        if t_ns < self.silent_until_ns:
+            return
+        self.messages.begin(t_ns, self.boot_ns, motion)
+        for name in self.streams.take_due(t_ns - self.boot_ns):
+            self._send(name, None, out)
+        for frame in arrived:
+            for name, payload in self.commands.answer(frame, self.streams, t_ns, self.boot_ns):
+                self._send(name, payload, out)
+
+    def _take_inbox(self, t_ns: int) -> list[Frame]:
+        count = 0
+        while count < len(self.inbox) and self.inbox[count].rx_ns <= t_ns:
+            count += 1
+        arrived, self.inbox = self.inbox[:count], self.inbox[count:]
+        return arrived
+
+    def _send(self, name: str, payload: bytes | None, out: list[bytes]) -> None:
+        if name in IMU_MESSAGES and within(self.settings.faults.imu_silent, self.messages.t_s):
+            return
+        filled = self.messages.payload(name) if payload is None else payload
+        out.append(self.encoder.frame(self.dialect.layout(name), filled))
+
+    def _reboot(self, t_ns: int) -> None:
+        self.boot_ns = t_ns
+        self.silent_until_ns = t_ns + round(REBOOT_S * 1e9)
+        self.streams = self._booted_streams()
+        self.encoder = Encoder(self.dialect, self.settings.system, COMPONENT)

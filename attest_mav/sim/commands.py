@@ -1,0 +1,88 @@
+"""How the autopilot answers: commands, stream requests and time synchronisation.
+
+SET_MESSAGE_INTERVAL and REQUEST_MESSAGE are acknowledged, every other command is UNSUPPORTED; REQUEST_DATA_STREAM is
+a message without acknowledgement (PX4 ignores it). TIMESYNC requests are answered with the time of arrival, to all, as
+ArduPilot does. What is addressed to somebody else, or claims to come from the autopilot itself, is dropped.
+"""
+
+from math import isfinite
+from typing import Final
+
+from attest_mav.mavlink.dialect import Dialect
+from attest_mav.mavlink.framing import Frame
+from attest_mav.sim.personality import RESULT_ACCEPTED, RESULT_DENIED, RESULT_FAILED, RESULT_UNSUPPORTED, Personality
+from attest_mav.sim.streams import Streams
+
+COMMAND_LONG: Final = "COMMAND_LONG"
+REQUEST_DATA_STREAM: Final = "REQUEST_DATA_STREAM"
+TIMESYNC: Final = "TIMESYNC"
+UNDERSTOOD: Final = (COMMAND_LONG, REQUEST_DATA_STREAM, TIMESYNC)
+
+SET_MESSAGE_INTERVAL: Final = 511
+REQUEST_MESSAGE: Final = 512
+
+Reply = tuple[str, bytes | None]
+"""A message's name and payload; None where the payload is the vehicle's to fill."""
+
+
+class Commands:
+    """Turns frames from the link into replies, and changes the streams accordingly."""
+
+    def __init__(self, system: int, component: int, personality: Personality, dialect: Dialect) -> None:
+        self.system = system
+        self.component = component
+        self.personality = personality
+        self.dialect = dialect
+        self.command = dialect.layout(COMMAND_LONG).pick(
+            "param1", "param2", "command", "target_system", "target_component"
+        )
+        self.stream_request = dialect.layout(REQUEST_DATA_STREAM).pick(
+            "req_message_rate", "target_system", "target_component", "req_stream_id", "start_stop"
+        )
+        self.timesync = dialect.layout(TIMESYNC).pick("tc1", "ts1")
+        self.ack = dialect.layout("COMMAND_ACK").pick("command", "result", "target_system", "target_component")
+
+    def answer(self, frame: Frame, streams: Streams, now_ns: int, boot_ns: int) -> list[Reply]:
+        """The replies to one frame, handled at ``now_ns``; both times are the simulation's."""
+        if (frame.system, frame.component) == (self.system, self.component):
+            return []
+        name = self.dialect.name_of(frame.message_id)
+        if name == COMMAND_LONG:
+            return self._command(frame, streams, now_ns - boot_ns)
+        if name == REQUEST_DATA_STREAM:
+            rate_hz, system, component, group, start = self.stream_request.unpack(frame.payload)
+            if self._is_ours(system, component) and self.personality.takes_groups:
+                streams.set_group_rate(group, rate_hz if start else 0, now_ns - boot_ns)
+            return []
+        if name == TIMESYNC:
+            tc1, ts1 = self.timesync.unpack(frame.payload)
+            if tc1 == 0:
+                return [(TIMESYNC, self.timesync.pack(frame.rx_ns - boot_ns, ts1))]
+        return []
+
+    def _is_ours(self, system: int, component: int) -> bool:
+        return system in {0, self.system} and component in {0, self.component}
+
+    def _command(self, frame: Frame, streams: Streams, now_ns: int) -> list[Reply]:
+        param1, param2, command, system, component = self.command.unpack(frame.payload)
+        if not self._is_ours(system, component):
+            return []
+        name = self.dialect.name_of(int(param1)) if isfinite(param1) and param1 >= 0.0 else ""
+        reply: list[Reply] = []
+        if command == SET_MESSAGE_INTERVAL:
+            result = self._set_interval(name, param2, streams, now_ns)
+        elif command == REQUEST_MESSAGE:
+            known = streams.has(name)
+            result = RESULT_ACCEPTED if known else self.personality.unknown_message
+            reply = [(name, None)] if known else []
+        else:
+            result = RESULT_UNSUPPORTED
+        ack = self.ack.pack(command, result, frame.system, frame.component)
+        return [("COMMAND_ACK", ack), *reply]
+
+    def _set_interval(self, name: str, interval_us: float, streams: Streams, now_ns: int) -> int:
+        if not streams.has(name):
+            return self.personality.unknown_stream
+        if not isfinite(interval_us):
+            return RESULT_DENIED
+        return RESULT_ACCEPTED if streams.set_interval_us(name, int(interval_us), now_ns) else RESULT_FAILED

@@ -1,0 +1,132 @@
+"""What an autopilot's firmware sends, how fast, and how it answers when asked for something else.
+
+Taken from ArduPilot's ``GCS_MAVLink/GCS_Common.cpp`` (set_ap_message_interval, set_message_interval) and PX4's
+``mavlink_receiver.cpp`` and ``mavlink_main.cpp`` (onboard mode). Two liberties: both send SIM_STATE, the truth, beside
+ATTITUDE without being asked, so that whoever listens can judge an estimate; and stream groups hold only what the
+package has a use for.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+from attest_mav.errors import UsageError
+
+# Values of MAVLink's enums; a test compares them with pymavlink's.
+RESULT_ACCEPTED: Final = 0
+RESULT_DENIED: Final = 2
+RESULT_UNSUPPORTED: Final = 3
+RESULT_FAILED: Final = 4
+
+GROUP_RAW_SENSORS: Final = 1
+GROUP_EXTENDED_STATUS: Final = 2
+GROUP_POSITION: Final = 6
+GROUP_EXTRA1: Final = 10
+GROUP_EXTRA2: Final = 11
+GROUP_EXTRA3: Final = 12
+NO_GROUP: Final = -1
+"""In none of REQUEST_DATA_STREAM's groups."""
+
+IMU_MESSAGES: Final = frozenset({"RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "SCALED_IMU3", "HIGHRES_IMU"})
+
+
+@dataclass(frozen=True)
+class Stream:
+    """A message that can be streamed: its rate after boot, its group, and whether it is one of the fast ones.
+
+    The fast ones are inertial readings, attitudes and truth: what ``SimSettings.fast_rate_hz`` sets.
+    """
+
+    message: str
+    rate_hz: float
+    group: int = NO_GROUP
+    fast: bool = False
+
+
+@dataclass(frozen=True)
+class Personality:
+    """One firmware. ``streams`` are in the order in which it sends what is due at the same time."""
+
+    name: str
+    autopilot: int
+    """MAV_AUTOPILOT."""
+    copter_loop_hz: int
+    plane_loop_hz: int
+    lowpass_hz: float | None
+    """Cut-off of the filter that its inertial messages have passed; None for none."""
+    mag_period_ns: int
+    mag_per_mean: int
+    whole_milliseconds: bool
+    """Intervals are whole milliseconds, and at most 80 % of the loop rate."""
+    takes_groups: bool
+    """REQUEST_DATA_STREAM has an effect."""
+    unknown_stream: int
+    """MAV_RESULT of SET_MESSAGE_INTERVAL for a message it does not have."""
+    unknown_message: int
+    """MAV_RESULT of REQUEST_MESSAGE for such a message."""
+    streams: tuple[Stream, ...]
+
+
+ARDUPILOT: Final = Personality(
+    name="ardupilot",
+    autopilot=3,
+    copter_loop_hz=400,
+    plane_loop_hz=50,
+    lowpass_hz=20.0,
+    mag_period_ns=100_000_000,
+    mag_per_mean=10,
+    whole_milliseconds=True,
+    takes_groups=True,
+    unknown_stream=RESULT_DENIED,
+    unknown_message=RESULT_FAILED,
+    streams=(
+        Stream("HEARTBEAT", 1.0),
+        Stream("ATTITUDE", 4.0, GROUP_EXTRA1, fast=True),
+        Stream("ATTITUDE_QUATERNION", 0.0),
+        Stream("GLOBAL_POSITION_INT", 4.0, GROUP_POSITION),
+        Stream("VFR_HUD", 4.0, GROUP_EXTRA2),
+        Stream("RAW_IMU", 4.0, GROUP_RAW_SENSORS, fast=True),
+        Stream("SCALED_IMU", 0.0),
+        Stream("SCALED_IMU2", 4.0, GROUP_RAW_SENSORS, fast=True),
+        Stream("SCALED_IMU3", 4.0, GROUP_RAW_SENSORS),
+        Stream("GPS_RAW_INT", 4.0, GROUP_EXTENDED_STATUS),
+        Stream("SIM_STATE", 4.0, GROUP_EXTRA1, fast=True),
+        Stream("SYSTEM_TIME", 4.0, GROUP_EXTRA3),
+    ),
+)
+
+PX4: Final = Personality(
+    name="px4",
+    autopilot=12,
+    copter_loop_hz=1000,
+    plane_loop_hz=1000,
+    lowpass_hz=None,
+    mag_period_ns=20_000_000,
+    mag_per_mean=1,
+    whole_milliseconds=False,
+    takes_groups=False,
+    unknown_stream=RESULT_FAILED,
+    unknown_message=RESULT_DENIED,
+    streams=(
+        Stream("HEARTBEAT", 1.0),
+        Stream("ATTITUDE", 50.0, fast=True),
+        Stream("ATTITUDE_QUATERNION", 50.0, fast=True),
+        Stream("GLOBAL_POSITION_INT", 10.0),
+        Stream("VFR_HUD", 10.0),
+        Stream("HIGHRES_IMU", 50.0, fast=True),
+        Stream("SCALED_IMU", 50.0, fast=True),
+        Stream("GPS_RAW_INT", 5.0),
+        Stream("SIM_STATE", 50.0, fast=True),
+        Stream("SYSTEM_TIME", 1.0),
+    ),
+)
+
+PERSONALITIES: Final = ("ardupilot", "px4")
+
+
+def personality_of(name: str) -> Personality:
+    """The firmware of that name; UsageError lists the names there are."""
+    if name == "ardupilot":
+        return ARDUPILOT
+    if name == "px4":
+        return PX4
+    raise UsageError(f"unknown personality {name[:40]!r}: expected one of {', '.join(PERSONALITIES)}")

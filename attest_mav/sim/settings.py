@@ -1,0 +1,86 @@
+"""What a simulation is made of: frozen records with a default for everything."""
+
+from dataclasses import dataclass, field
+from math import inf
+
+from attest_mav.sim.earth import Earth
+from attest_mav.types import Vec3
+
+Span = tuple[float, float]
+"""From (included) and to (not included), seconds from the start of the simulation."""
+
+NEVER: Span = (inf, inf)
+
+
+@dataclass(frozen=True)
+class SensorErrors:
+    """Errors of an inertial unit and its magnetometer, each axis and each unit for itself.
+
+    Noise densities are such that a sample at the rate f has the deviation density * sqrt(f). Biases are deviations of a
+    constant drawn once; drifts are random walks on top of it, with the deviation drift * sqrt(t) after the time t.
+    The defaults are a middling MEMS unit after the autopilot's own calibration.
+    """
+
+    gyro_noise: float = 1.0e-4
+    """rad/s/sqrt(Hz)."""
+    gyro_bias: float = 1.5e-3
+    """rad/s."""
+    gyro_drift: float = 3.0e-5
+    """rad/s/sqrt(s): 0.03 deg/s after five minutes."""
+    accel_noise: float = 2.0e-3
+    """m/s^2/sqrt(Hz)."""
+    accel_bias: float = 0.02
+    """m/s^2: 2 mg."""
+    accel_drift: float = 1.0e-4
+    """m/s^2/sqrt(s)."""
+    mag_noise: float = 2.0e-3
+    """gauss, one reading of the chip."""
+    mag_bias: float = 2.0e-3
+    """gauss: what calibration has left of the vehicle's own field."""
+
+
+PERFECT = SensorErrors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+"""Sensors without errors; the message's own resolution stays."""
+
+
+@dataclass(frozen=True)
+class Faults:
+    """What goes wrong, and when. Nothing does by default."""
+
+    attitude_offset: Vec3 = (0.0, 0.0, 0.0)
+    """Rotation vector in NED, rad, added to the reported attitude from ``attitude_offset_from_s`` on."""
+    attitude_offset_from_s: float = inf
+    attitude_frozen: Span = NEVER
+    """The reported attitude and its rates stay as they were; time goes on."""
+    imu_silent: Span = NEVER
+    """No IMU message of any kind is sent; all else is."""
+    imu_not_finite: Span = NEVER
+    """HIGHRES_IMU carries NaN. The integer messages cannot, and carry zeros, as a cast of NaN does on ARM."""
+    imu_saturated: Span = NEVER
+    """The gyro's x axis and the accelerometer's z axis are at the end of their range."""
+    reboot_at_s: float = inf
+    """The autopilot restarts: two seconds of silence, with clock, sequence numbers and streams as at first."""
+
+
+@dataclass(frozen=True)
+class SimSettings:
+    """One simulated vehicle."""
+
+    personality: str = "ardupilot"
+    """``ardupilot`` or ``px4``."""
+    scenario: str = "hover"
+    """One of ``trajectory.SCENARIOS``."""
+    fast_rate_hz: float | None = None
+    """Rate of the IMU, attitude and truth messages at the start; None is the firmware's own default."""
+    loop_rate_hz: int | None = None
+    """Main loop; None is the firmware's default. ArduPilot's ceiling on message rates follows from it."""
+    system: int = 1
+    earth: Earth = field(default_factory=Earth)
+    errors: SensorErrors = field(default_factory=SensorErrors)
+    attitude_error: Vec3 = (0.0015, 0.0015, 0.004)
+    """Amplitude, rad in NED, of the slow errors of the attitude the autopilot reports: 0.1 and 0.2 degrees."""
+    first_fix_s: float = 3.0
+    """GPS has no fix before, and GLOBAL_POSITION_INT no position."""
+    mag_offset: Vec3 = (0.11, -0.06, 0.08)
+    """gauss: the vehicle's own field, which PX4 leaves in SCALED_IMU. Calibrated messages are without it."""
+    faults: Faults = field(default_factory=Faults)
