@@ -103,10 +103,10 @@ def q_dot(a: Quat, b: Quat) -> float:
 def q_exp(u: Vec3) -> Quat:
     """exp of the pure quaternion (0, u): (cos |u|, sin |u| u/|u|). A rotation vector r has q = q_exp(r/2)."""
     angle_sq = u[0] * u[0] + u[1] * u[1] + u[2] * u[2]
-    if angle_sq < 1e-8:
-        # Fourth-order series: the next terms are below 1e-17 here, and nothing is divided by zero.
-        c = 1.0 - angle_sq * (0.5 - angle_sq / 24.0)
-        s = 1.0 - angle_sq * (1.0 / 6.0 - angle_sq / 120.0)
+    if angle_sq < 1e-3:
+        # Taylor's series: the next terms are below 1e-16 here, nothing is divided by zero, and it is faster.
+        c = 1.0 - angle_sq * (0.5 - angle_sq * (1.0 / 24.0 - angle_sq * (1.0 / 720.0)))
+        s = 1.0 - angle_sq * (1.0 / 6.0 - angle_sq * (1.0 / 120.0 - angle_sq * (1.0 / 5040.0)))
     else:
         angle = sqrt(angle_sq)
         c = cos(angle)

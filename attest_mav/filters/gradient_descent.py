@@ -12,7 +12,9 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import Final, cast
 
-from attest_mav.algebra import norm, q_exp, q_mul, q_norm, q_unit, rotate, scale, sub
+from mypy_extensions import mypyc_attr
+
+from attest_mav.algebra import dot, down_in_body, norm, q_exp, q_mul, q_norm, q_unit, scale, sub
 from attest_mav.filters.base import MAX_CORRECTION_DT_S, Aids, AttitudeFilter, FilterState, Start
 from attest_mav.types import G_MPS2, ImuSample, Quat, Vec3
 
@@ -21,6 +23,9 @@ MIN_GRADIENT: Final = 1e-9
 
 MAX_FIELD: Final = 1e9
 """A magnetometer reading of this length or more is not a field (NaN and infinity fail the same test)."""
+
+MAX_RATE_SQ: Final = 1e4 * 1e4
+"""A gyro reading of 10,000 rad/s or more is not a rate (NaN and infinity fail the same test)."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +36,7 @@ class FixedField:
     b_z: float
 
 
+@mypyc_attr(acyclic=True, free_list_len=1)  # no cycles, and one spare kept: a new state replaces the last one
 class GradientDescentState(FilterState):
     """State after a step, with its innovation.
 
@@ -62,7 +68,7 @@ class GradientDescent(AttitudeFilter):
     here to study the paper, not to fly. alpha: its step ratio, > 1; an infinite one gives (31).
     exponential: integrate the gyro exactly instead of by Euler's rule (9).
     field: the reference field; None takes it from the estimate, so that the field cannot tilt the attitude.
-    min_accel_g, max_accel_g: the accelerometer is used while its length is within, in g. Without it the field is
+    min_accel_g, max_accel_g: the accelerometer is used while its length is between them, in g. Without it the field is
     not used either: alone it would tilt the attitude.
     """
 
@@ -85,108 +91,100 @@ class GradientDescent(AttitudeFilter):
         return GradientDescentState(start.q_nb, start.gyro_bias, False, False, zero, zero)
 
     def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: Aids) -> GradientDescentState:
-        """One step of (31), or of (26)-(30) with ``full_fusion``."""
+        """One step of (31), or of (26)-(30) with ``full_fusion``. Without a usable gyro the attitude is held."""
         before = cast("GradientDescentState", state)
         q = before.q_nb
+        none: Vec3 = (0.0, 0.0, 0.0)
         gyro = sub(sample.gyro, before.gyro_bias)
-        gradient: Quat = (0.0, 0.0, 0.0, 0.0)
-        gravity_residual: Vec3 = (0.0, 0.0, 0.0)
-        field_residual: Vec3 = (0.0, 0.0, 0.0)
+        if not dot(gyro, gyro) < MAX_RATE_SQ:
+            return GradientDescentState(q, before.gyro_bias, False, False, none, none)
         accel_norm = norm(sample.accel)
-        accel_used = not sample.saturated and self.min_accel_g <= accel_norm / G_MPS2 <= self.max_accel_g
-        mag = sample.mag
-        mag_used = accel_used and mag is not None and 0.0 < norm(mag) < MAX_FIELD
-        if accel_used:
-            gravity_residual = gravity_misfit(q, scale(sample.accel, -1.0 / accel_norm))
-            gradient = gravity_gradient(q, gravity_residual)
-        if mag_used and mag is not None:
-            direction = scale(mag, 1.0 / norm(mag))
-            b_x, b_z = self._reference_field(q, direction)
-            field_residual = field_misfit(q, direction, b_x, b_z)
-            gradient = _sum(gradient, field_gradient(q, field_residual, b_x, b_z))
-        share = self._fusion_share(gyro)
-        descent = share * self.beta * min(dt_s, MAX_CORRECTION_DT_S)
-        q = self._propagate(q, scale(gyro, share), dt_s, _scale(_direction(gradient), descent))
-        return GradientDescentState(q, before.gyro_bias, accel_used, mag_used, gravity_residual, field_residual)
+        if sample.saturated or not self.min_accel_g * G_MPS2 < accel_norm < self.max_accel_g * G_MPS2:
+            q = self._fuse(q, gyro, (0.0, 0.0, 0.0, 0.0), dt_s)
+            return GradientDescentState(q, before.gyro_bias, False, False, none, none)
+        down = down_in_body(q)
+        f_g = sub(down, scale(sample.accel, -1.0 / accel_norm))  # (18)
+        mag = none if sample.mag is None else sample.mag
+        mag_norm = norm(mag)
+        if not 0.0 < mag_norm < MAX_FIELD:
+            q = self._fuse(q, gyro, gravity_gradient(q, f_g), dt_s)
+            return GradientDescentState(q, before.gyro_bias, True, False, f_g, none)
+        direction = scale(mag, 1.0 / mag_norm)
+        b_x, b_z = self._reference_field(down, direction)
+        f_b = field_misfit(q, down, direction, b_x, b_z)
+        q = self._fuse(q, gyro, full_gradient(q, f_g, f_b, b_x, b_z), dt_s)
+        return GradientDescentState(q, before.gyro_bias, True, True, f_g, f_b)
 
-    def _reference_field(self, q: Quat, direction: Vec3) -> tuple[float, float]:
-        """(b_x, b_z) of the reference field, eq. (20): fixed, or the measured one levelled by the estimate."""
+    def _reference_field(self, down: Vec3, direction: Vec3) -> tuple[float, float]:
+        """(b_x, b_z) of the reference field: fixed, or eq. (20), the measured field levelled by the estimate.
+
+        Levelling a unit vector keeps its part along the estimated vertical; the rest is horizontal.
+        """
         if self.field is not None:
             return (self.field.b_x, self.field.b_z)
-        h = rotate(q, direction)
-        return (sqrt(h[0] * h[0] + h[1] * h[1]), h[2])
+        b_z = dot(down, direction)
+        return (sqrt(max(0.0, 1.0 - b_z * b_z)), b_z)
 
-    def _fusion_share(self, gyro: Vec3) -> float:
-        """1 - gamma of (30), which scales gyro and correction alike once (28) and (29) are written out; 1 for (31)."""
-        if not self.full_fusion:
-            return 1.0
-        step_rate = self.alpha * 0.5 * norm(gyro)
-        return step_rate / (step_rate + self.beta) if step_rate + self.beta > 0.0 else 1.0
+    def _fuse(self, q: Quat, gyro: Vec3, gradient: Quat, dt_s: float) -> Quat:
+        """Turn by the gyro over dt_s and go down the gradient at the rate beta: (31), or (26) with ``full_fusion``."""
+        share = self._fusion_share(gyro) if self.full_fusion else 1.0
+        slope = q_norm(gradient)
+        k = share * self.beta * min(dt_s, MAX_CORRECTION_DT_S) / slope if slope >= MIN_GRADIENT else 0.0
+        t1, t2, t3, t4 = self._turn(q, gyro, share * dt_s)
+        g1, g2, g3, g4 = gradient
+        return q_unit((t1 - k * g1, t2 - k * g2, t3 - k * g3, t4 - k * g4))
 
-    def _propagate(self, q: Quat, gyro: Vec3, dt_s: float, correction: Quat) -> Quat:
-        """Turn by the gyro over dt_s, take the correction off, normalise.
+    def _turn(self, q: Quat, gyro: Vec3, dt_s: float) -> Quat:
+        """Turn by a constant rate, exactly or by Euler's rule (9).
 
         The exact turn needs no sub-steps after a gap: with one rate it equals any number of them.
         """
-        if self.exponential:
-            turned = q_mul(q, q_exp(scale(gyro, 0.5 * dt_s)))
-        else:
-            turned = _sum(q, _scale(q_mul(q, (0.0, gyro[0], gyro[1], gyro[2])), 0.5 * dt_s))
-        return q_unit(_sum(turned, _scale(correction, -1.0)))
+        half_angle = scale(gyro, 0.5 * dt_s)
+        return q_mul(q, q_exp(half_angle) if self.exponential else (1.0, half_angle[0], half_angle[1], half_angle[2]))
+
+    def _fusion_share(self, gyro: Vec3) -> float:
+        """1 - gamma of (30). Once (28) and (29) are written out, (26) is (31) with both its terms times this."""
+        step_rate = self.alpha * 0.5 * norm(gyro)
+        return 1.0 - self.beta / (step_rate + self.beta) if step_rate + self.beta > 0.0 else 1.0
 
 
-def gravity_misfit(q: Quat, down: Vec3) -> Vec3:
-    """f_g, eq. (18): predicted minus measured down direction (unit, body)."""
-    q1, q2, q3, q4 = q
-    return (
-        2.0 * (q2 * q4 - q1 * q3) - down[0],
-        2.0 * (q1 * q2 + q3 * q4) - down[1],
-        2.0 * (0.5 - q2 * q2 - q3 * q3) - down[2],
-    )
-
-
-def gravity_gradient(q: Quat, f: Vec3) -> Quat:
+def gravity_gradient(q: Quat, f_g: Vec3) -> Quat:
     """J_g^T f_g, eqs. (13) and (19)."""
     q1, q2, q3, q4 = q
+    u_x, u_y, u_z = 2.0 * f_g[0], 2.0 * f_g[1], 4.0 * f_g[2]
     return (
-        -2.0 * q3 * f[0] + 2.0 * q2 * f[1],
-        2.0 * q4 * f[0] + 2.0 * q1 * f[1] - 4.0 * q2 * f[2],
-        -2.0 * q1 * f[0] + 2.0 * q4 * f[1] - 4.0 * q3 * f[2],
-        2.0 * q2 * f[0] + 2.0 * q3 * f[1],
+        q2 * u_y - q3 * u_x,
+        q4 * u_x + q1 * u_y - q2 * u_z,
+        q4 * u_y - q1 * u_x - q3 * u_z,
+        q2 * u_x + q3 * u_y,
     )
 
 
-def field_misfit(q: Quat, direction: Vec3, b_x: float, b_z: float) -> Vec3:
-    """f_b, eq. (22): predicted minus measured field direction (unit, body)."""
+def field_misfit(q: Quat, down: Vec3, direction: Vec3, b_x: float, b_z: float) -> Vec3:
+    """f_b, eq. (22): predicted minus measured field direction (unit, body). ``down`` is that of q, in the body.
+
+    The field is b_x times north plus b_z times down; north in body axes is the first row of C(q).
+    """
     q1, q2, q3, q4 = q
+    x = 2.0 * b_x
     return (
-        2.0 * b_x * (0.5 - q3 * q3 - q4 * q4) + 2.0 * b_z * (q2 * q4 - q1 * q3) - direction[0],
-        2.0 * b_x * (q2 * q3 - q1 * q4) + 2.0 * b_z * (q1 * q2 + q3 * q4) - direction[1],
-        2.0 * b_x * (q1 * q3 + q2 * q4) + 2.0 * b_z * (0.5 - q2 * q2 - q3 * q3) - direction[2],
+        x * (0.5 - q3 * q3 - q4 * q4) + b_z * down[0] - direction[0],
+        x * (q2 * q3 - q1 * q4) + b_z * down[1] - direction[1],
+        x * (q1 * q3 + q2 * q4) + b_z * down[2] - direction[2],
     )
 
 
-def field_gradient(q: Quat, f: Vec3, b_x: float, b_z: float) -> Quat:
-    """J_b^T f_b, eqs. (13) and (23)."""
+def full_gradient(q: Quat, f_g: Vec3, f_b: Vec3, b_x: float, b_z: float) -> Quat:
+    """J_g^T f_g + J_b^T f_b, eqs. (19), (23) and (25).
+
+    As the field is b_x north + b_z down, J_b = b_x J_n + b_z J_g, and the sum is J_g^T (f_g + b_z f_b) + J_n^T b_x f_b.
+    """
     q1, q2, q3, q4 = q
-    x, z = 2.0 * b_x, 2.0 * b_z
+    u_x, u_y, u_z = 2.0 * (f_g[0] + b_z * f_b[0]), 2.0 * (f_g[1] + b_z * f_b[1]), 4.0 * (f_g[2] + b_z * f_b[2])
+    v_x, v_y, v_z = 4.0 * b_x * f_b[0], 2.0 * b_x * f_b[1], 2.0 * b_x * f_b[2]
     return (
-        -z * q3 * f[0] + (z * q2 - x * q4) * f[1] + x * q3 * f[2],
-        z * q4 * f[0] + (x * q3 + z * q1) * f[1] + (x * q4 - 2.0 * z * q2) * f[2],
-        -(2.0 * x * q3 + z * q1) * f[0] + (x * q2 + z * q4) * f[1] + (x * q1 - 2.0 * z * q3) * f[2],
-        (z * q2 - 2.0 * x * q4) * f[0] + (z * q3 - x * q1) * f[1] + x * q2 * f[2],
+        q2 * u_y - q3 * u_x + q3 * v_z - q4 * v_y,
+        q4 * u_x + q1 * u_y - q2 * u_z + q3 * v_y + q4 * v_z,
+        q4 * u_y - q1 * u_x - q3 * u_z - q3 * v_x + q2 * v_y + q1 * v_z,
+        q2 * u_x + q3 * u_y - q4 * v_x - q1 * v_y + q2 * v_z,
     )
-
-
-def _direction(gradient: Quat) -> Quat:
-    """The gradient at unit length, or zero where it has no direction."""
-    length = q_norm(gradient)
-    return _scale(gradient, 1.0 / length) if length >= MIN_GRADIENT else (0.0, 0.0, 0.0, 0.0)
-
-
-def _sum(a: Quat, b: Quat) -> Quat:
-    return (a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3])
-
-
-def _scale(a: Quat, k: float) -> Quat:
-    return (k * a[0], k * a[1], k * a[2], k * a[3])
