@@ -1,18 +1,21 @@
 """MAVLink's checksum (CRC-16/MCRF4XX, the guide calls it X.25), at the speed of the standard library.
 
-MAVLink's CRC is the bit-reflection of the one that ``binascii.crc_hqx`` computes: reverse the bits of every byte of the
-message, run ``crc_hqx`` from 0xFFFF, and the result is the checksum with its sixteen bits reversed. The sender puts the
-low byte first on the wire, so in the mirrored message the two checksum bytes read as one big-endian number: no result is
-ever reversed. A whole buffer is mirrored once and then serves every frame in it.
+MAVLink's CRC is the bit-reflection of the one that ``binascii.crc_hqx`` computes: reverse the bits of every byte of
+the message, run ``crc_hqx`` from 0xFFFF, and the result is the checksum with its sixteen bits reversed. The sender
+puts the low byte first on the wire, so in the mirrored message the two checksum bytes read as one big-endian number:
+no result is ever reversed. A whole buffer is mirrored once and then serves every frame in it.
 """
 
 from binascii import crc_hqx
+from struct import Struct
 from typing import Final
 
 from mypy_extensions import i64
 
 MIRROR: Final = bytes(int(f"{byte:08b}"[::-1], 2) for byte in range(256))
 """Every byte with its bits reversed, for ``bytes.translate``."""
+
+_BIG_ENDIAN: Final = Struct(">H")
 
 _START: Final = 0xFFFF
 
@@ -50,7 +53,7 @@ def explaining_extra(mirror: bytes, start: i64, stop: i64) -> i64:
     return -1
 
 
-def checksum_bytes(covered: bytes, crc_extra: int) -> bytes:
-    """The two checksum bytes that follow ``covered``: a frame from after its magic to the end of its payload."""
-    crc = crc_hqx(mirrored(covered + bytes([crc_extra])), _START)
-    return mirrored(bytes([crc >> 8, crc & 0xFF]))
+def with_checksum(frame: bytes, crc_extra: i64) -> bytes:
+    """A frame, given from its magic to the end of its payload, with its checksum behind it."""
+    crc = mirrored_crc(mirrored(frame), 1, len(frame), MIRROR[crc_extra])
+    return frame + mirrored(_BIG_ENDIAN.pack(crc))

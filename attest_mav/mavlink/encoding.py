@@ -4,9 +4,10 @@ The layouts come from the dialect; a message that is sent often is packed throug
 """
 
 from collections.abc import Mapping
+from struct import Struct
 from typing import Any, Final
 
-from attest_mav.mavlink.checksum import checksum_bytes
+from attest_mav.mavlink.checksum import with_checksum
 from attest_mav.mavlink.dialect import Dialect, Layout
 from attest_mav.mavlink.framing import MAGIC_V2
 from attest_mav.types import Quat, Vec3
@@ -16,6 +17,9 @@ SET_MESSAGE_INTERVAL: Final = 511
 
 STATUSTEXT_BYTES: Final = 50
 NAME_BYTES: Final = 10
+
+_HEADER: Final = Struct("<BBBBBBBHB")
+"""Magic, payload length, incompatibility and compatibility flags, sequence, sender, and the id in three bytes."""
 
 COVARIANCE_UNKNOWN: Final[tuple[float, ...]] = (float("nan"),) * 9
 
@@ -109,13 +113,10 @@ class Encoder:
     def frame(self, layout: Layout, payload: bytes) -> bytes:
         """A frame around a payload in wire order; its trailing zeros are cut off, but for the first byte."""
         payload = payload.rstrip(b"\0") or payload[:1]
+        sequence = self._sequence
+        self._sequence = (sequence + 1) & 0xFF
         mid = layout.message_id
-        covered = (
-            bytes((
-                len(payload), 0, 0, self._sequence, self.system, self.component,
-                mid & 0xFF, (mid >> 8) & 0xFF, mid >> 16,
-            ))
-            + payload
-        )  # fmt: skip
-        self._sequence = (self._sequence + 1) & 0xFF
-        return bytes((MAGIC_V2,)) + covered + checksum_bytes(covered, layout.crc_extra)
+        header = _HEADER.pack(
+            MAGIC_V2, len(payload), 0, 0, sequence, self.system, self.component, mid & 0xFFFF, mid >> 16
+        )
+        return with_checksum(header + payload, layout.crc_extra)

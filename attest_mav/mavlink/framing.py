@@ -335,7 +335,7 @@ class Framer(Walker):
         return self._continue(data, rx_ns, False)
 
     def finish(self, rx_ns: int) -> list[Frame]:
-        """The wanted frames behind candidates that were still waited for; call it where the stream ends or falls silent."""
+        """The wanted frames behind candidates that were still waited for: for a stream that ends or falls silent."""
         frames = self._continue(b"", rx_ns, True)
         self._restart_link()
         return frames

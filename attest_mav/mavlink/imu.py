@@ -83,7 +83,7 @@ class ImuLane:
         return []
 
     def _is_fresh(self, field: Vec3, t_ns: int, rates: Vec3) -> bool:
-        """Whether the magnetometer fields are a measurement: finite, not zero, and not stuck while the vehicle turns."""
+        """Whether the fields are a measurement: finite, not zero, and not stuck while the vehicle turns."""
         if field == self._field:
             dt_s = (t_ns - self._last_t_ns) * 1e-9
             if 0.0 < dt_s < STALE_TIME_S:

@@ -69,7 +69,7 @@ class Recording(Walker):
         return stamp if stamp < _LATEST_US else -1
 
     def _confirmed(self, stamp: i64, size: i64) -> bool:
-        """Whether the next record's time goes on from ``stamp``; at the end of the recording, whether it is the first."""
+        """Whether the next record's time goes on from ``stamp``; without a next one, whether there was none before."""
         behind = self._place + size + STAMP_BYTES
         if behind > self._end:
             return self._last_us < 0
