@@ -1,0 +1,44 @@
+"""What the wire's logic wants a person to know: it does not log itself, it leaves notes for who does."""
+
+from typing import Final
+
+INFO: Final = 20
+WARNING: Final = 30
+"""The numbers of Python's logging levels."""
+
+MAX_NOTES: Final = 100
+"""Notes beyond this are dropped until they are fetched: a flood is no information."""
+
+
+class Note:
+    """One line for the log."""
+
+    def __init__(self, level: int, text: str) -> None:
+        self.level: Final = level
+        self.text: Final = text
+
+
+class Notebook:
+    """Where notes wait to be fetched."""
+
+    def __init__(self) -> None:
+        self._notes: list[Note] = []
+
+    def info(self, text: str) -> None:
+        """Something worth knowing."""
+        self._add(Note(INFO, text))
+
+    def warning(self, text: str) -> None:
+        """Something worth acting on."""
+        self._add(Note(WARNING, text))
+
+    def _add(self, note: Note) -> None:
+        if len(self._notes) < MAX_NOTES:
+            self._notes.append(note)
+
+    def take(self) -> list[Note]:
+        """All notes since the last call, oldest first."""
+        notes = self._notes
+        if notes:
+            self._notes = []
+        return notes
