@@ -41,6 +41,8 @@ class Aids:
     value. stationary: the vehicle stands still. latitude: rad. declination: rad, east positive. velocity: the newest
     one over ground, None while none is fresh enough, with ``velocity_fresh`` as above. airspeed: m/s. heading: from
     another source than the magnetometer, rad from the filter's north; finite only on the samples that carry one.
+    side_speed, down_speed: along the body's y and z at the instant of forward_speed, m/s; 0 for a vehicle that goes
+    where it points, NaN for one that does not and whose sideways motion is not known.
     """
 
     def __init__(
@@ -55,6 +57,8 @@ class Aids:
         airspeed: float = nan,
         airspeed_fresh: bool = False,
         heading: float = nan,
+        side_speed: float = 0.0,
+        down_speed: float = 0.0,
     ) -> None:
         self.forward_speed: Final = forward_speed
         self.forward_speed_fresh: Final = forward_speed_fresh
@@ -66,6 +70,8 @@ class Aids:
         self.airspeed: Final = airspeed
         self.airspeed_fresh: Final = airspeed_fresh
         self.heading: Final = heading
+        self.side_speed: Final = side_speed
+        self.down_speed: Final = down_speed
 
 
 @mypyc_attr(acyclic=True)  # floats and flags form no cycles; compiled, a state is made faster without the collector
