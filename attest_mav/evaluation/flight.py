@@ -63,8 +63,8 @@ class Flight:
         self.imu: Final = Regularity()
         self.reference_samples = 0
         self.sender: Final = plan.sender
+        self.window: Final = window
         self._plan: Final = plan
-        self._window: Final = window
         self._weaver: Final = weaver
         self._track: Final = track
         self._time: Final = LogTime()
@@ -95,7 +95,7 @@ class Flight:
 
     def _take_imu(self, sample: ImuSample, offset: int) -> None:
         elapsed_s = self._time.advance(sample.t_ns)
-        self._reading = self._window.start_s <= elapsed_s <= self._window.end_s
+        self._reading = self.window.start_s <= elapsed_s <= self.window.end_s
         if not self._reading:
             return
         self.imu.add(sample.t_ns)
@@ -116,7 +116,7 @@ class Flight:
                 estimate.north,
                 estimate.tilt_sigma,
                 estimate.heading_sigma,
-                elapsed_s >= run.aligned_s + self._window.skip_s,
+                elapsed_s >= run.aligned_s + self.window.skip_s,
             )
         )
 
@@ -128,9 +128,9 @@ class Flight:
             return
         if sample.source == self._plan.reference:
             self._take_reference(sample)
-        if sample.source == self._plan.autopilot and self.autopilot is not None:
+        if sample.source == self._plan.autopilot and self.autopilot is not None and self.imu.samples:
             elapsed_s = self._time.at(sample.t_ns)
-            counted = elapsed_s >= self.runs[0].aligned_s + self._window.skip_s
+            counted = elapsed_s >= self.runs[0].aligned_s + self.window.skip_s
             self.autopilot.add(Attitude(sample.t_ns, elapsed_s, sample.q_nb, North.TRUE, nan, nan, counted))
 
     def _take_reference(self, sample: AttitudeSample) -> None:

@@ -61,12 +61,16 @@ class Outputs:
 
 @dataclass(frozen=True)
 class Replay:
-    """What came of one log. declination: None when headings stayed magnetic."""
+    """What came of one log.
+
+    declination: None when headings stayed magnetic. notes: what a reader of the figures should know, a line each.
+    """
 
     survey: Survey
     plan: Plan
     declination: Declination | None
     flight: Flight
+    notes: tuple[str, ...]
 
 
 def replay(buffer: mmap | bytes, dialect: Dialect, request: Request, outputs: Outputs) -> Replay:
@@ -90,7 +94,7 @@ def replay(buffer: mmap | bytes, dialect: Dialect, request: Request, outputs: Ou
     if not flight.imu.samples:
         reason = "; ".join(decoder.refusals.values()) or "the part to be read has none"
         raise UnreadableDataError(f"no usable {plan.imu}: {reason}")
-    return Replay(survey, plan, declination, flight)
+    return Replay(survey, plan, declination, flight, _notes(survey, plan, decoder, flight))
 
 
 def _survey(buffer: mmap | bytes, dialect: Dialect, progress: Callable[[float], None] | None) -> Survey:
@@ -154,3 +158,17 @@ def _fly(
         if progress is not None and frames:
             progress(SURVEY_SHARE + (1.0 - SURVEY_SHARE) * frames[-1].offset / len(buffer))
     flight.finish()
+
+
+def _notes(survey: Survey, plan: Plan, decoder: Decoder, flight: Flight) -> tuple[str, ...]:
+    """What a reader of the figures should know."""
+    notes = [f"{source}: {note}" for source, note in decoder.notes.items() if source == plan.imu]
+    notes += [reason for source, reason in decoder.refusals.items() if source.startswith(plan.imu)]
+    others = sorted(sender for sender in survey.heartbeats if sender != plan.sender)
+    if others:
+        named = ", ".join(f"{system}/{component}" for system, component in others)
+        notes.append(f"the log has other autopilots too ({named}); this is {plan.sender[0]}/{plan.sender[1]}")
+    tilt = None if flight.autopilot is None else flight.autopilot.errors.tilt()
+    if tilt is not None and tilt.max == 0.0:
+        notes.append(f"{plan.autopilot} repeats {plan.reference}: this autopilot flew on the simulator's truth")
+    return tuple(notes)

@@ -1,18 +1,19 @@
 """The result of a replay as the JSON object of the contract."""
 
-from typing import Any
+from math import inf
+from typing import Any, Final
 
 from attest_mav.evaluation.comparison import Comparison
 from attest_mav.evaluation.metrics import Spread
 from attest_mav.evaluation.replay import Replay
 
-DIGITS = 6
+DIGITS: Final = 6
 """Decimals of a degree, a second or a hertz: more than any of them is good for."""
 
 
 def as_json(name: str, log_format: str, replay: Replay) -> dict[str, Any]:
     """The object that ``replay --json`` prints for the log called ``name``."""
-    survey, plan, flight = replay.survey, replay.plan, replay.flight
+    survey, plan, flight, window = replay.survey, replay.plan, replay.flight, replay.flight.window
     rate_hz, gaps = flight.imu.rate_and_gaps()
     return {
         "log": name,
@@ -28,11 +29,17 @@ def as_json(name: str, log_format: str, replay: Replay) -> dict[str, Any]:
             "gaps": gaps,
         },
         "north": _north(replay),
+        "window": {
+            "start_s": window.start_s,
+            "end_s": None if window.end_s == inf else window.end_s,
+            "skip_s": window.skip_s,
+        },
         "reference": None
         if plan.reference is None
         else {"message": plan.reference, "samples": flight.reference_samples},
         "filters": [{"name": run.comparison.name, **_errors(run.comparison)} for run in flight.runs],
         "autopilot": None if flight.autopilot is None else {"message": plan.autopilot, **_errors(flight.autopilot)},
+        "notes": list(replay.notes),
     }
 
 

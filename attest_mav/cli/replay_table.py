@@ -1,0 +1,82 @@
+"""The report of a replay as a table for people."""
+
+from math import floor, log10
+from typing import Any
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+PIPE_COLUMNS = 120
+"""Width where there is no terminal to ask."""
+
+
+def print_report(report: dict[str, Any]) -> None:
+    """Print one log's report (``attest_mav.evaluation.report.as_json``) on standard output."""
+    console = Console(markup=False, highlight=False, emoji=False)
+    if not console.is_terminal:
+        console = Console(markup=False, highlight=False, emoji=False, width=PIPE_COLUMNS)
+    console.print(report["log"], style="bold")
+    for label, text in _facts(report):
+        console.print(f"  {label:<10} {text}", soft_wrap=True)
+    console.print(_table(report))
+
+
+def _facts(report: dict[str, Any]) -> list[tuple[str, str]]:
+    """What was read, and what the figures mean."""
+    imu, reference, window = report["imu"], report["reference"], report["window"]
+    bad = f", {report['bad_bytes']} bad bytes" if report["bad_bytes"] else ""
+    rate = "" if imu["rate_hz"] is None else f" at {imu['rate_hz']:.1f} Hz"
+    facts = [
+        ("log", f"{report['format']}, {report['frames']} frames, {report['duration_s']:.1f} s{bad}"),
+        ("inertial", f"{imu['message']}, {imu['samples']} samples{rate}, {_count(imu['gaps'], 'gap')}"),
+        ("reference", "none: nothing to compare with"),
+        ("north", _north(report["north"])),
+        ("errors", f"in degrees, from {window['skip_s']:g} s after alignment"),
+    ]
+    if reference is not None:
+        facts[2] = ("reference", f"{reference['message']}, {reference['samples']} samples")
+    return [*facts, *(("note", note) for note in report["notes"])]
+
+
+def _north(north: dict[str, Any]) -> str:
+    if north["reference"] == "magnetic":
+        return "magnetic: the log has no position to look the declination up for; --declination gives it"
+    return f"true; declination {north['declination_deg']:+.2f} deg, {north['source']}"
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def _table(report: dict[str, Any]) -> Table:
+    """One row a filter, and the autopilot's own below them."""
+    table = Table(box=SIMPLE_HEAD, padding=(0, 1))
+    table.add_column("")
+    heading = "heading" if report["north"]["reference"] == "true" else "magn. heading"
+    for kind in ("tilt", heading):
+        for figure in ("rms", "p95", "max"):
+            table.add_column(f"{kind}\n{figure}", justify="right")
+    table.add_column("compared\nsamples", justify="right")
+    for one in report["filters"]:
+        table.add_row(one["name"], *_figures(one), str(one["samples"]))
+    own = report["autopilot"]
+    if own is not None:
+        table.add_row(f"autopilot's {own['message']}", *_figures(own), str(own["samples"]), style="dim")
+    return table
+
+
+def _figures(errors: dict[str, Any]) -> list[str]:
+    """Tilt and heading: rms, p95, max."""
+    return [
+        "-" if errors[kind] is None else _significant(errors[kind][figure])
+        for kind in ("tilt_deg", "heading_deg")
+        for figure in ("rms", "p95", "max")
+    ]
+
+
+def _significant(value: float) -> str:
+    """Three significant digits, and no more than three decimals: nobody's truth is better."""
+    if value < 1e-3:
+        return f"{value:.3f}"
+    return f"{value:.{min(3, max(0, 2 - floor(log10(value))))}f}"
