@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from itertools import chain
-from mmap import mmap
+from mmap import MADV_DONTNEED, PAGESIZE, mmap
 from typing import Final
 
 from attest_mav.mavlink.dialect import Dialect
@@ -36,6 +36,7 @@ class TlogReader:
             yield recording.walk(window, final)
             if final:
                 return
+            _give_back(self._buffer, start, recording.position)
 
     def __iter__(self) -> Iterator[Frame]:
         return chain.from_iterable(self.batches())
@@ -73,6 +74,15 @@ class TlogReader:
     def bad_stamps(self) -> int:
         """Wanted frames whose recorded time was not believed."""
         return self._recording.bad_stamps
+
+
+def _give_back(buffer: mmap | bytes, start: int, stop: int) -> None:
+    """Let go of the whole pages of a mapped file that have been read: kept, they would all count as memory."""
+    if isinstance(buffer, mmap):
+        first = start - start % PAGESIZE
+        length = stop - stop % PAGESIZE - first
+        if length > 0:
+            buffer.madvise(MADV_DONTNEED, first, length)
 
 
 def read_tlog(buffer: mmap | bytes, dialect: Dialect, wanted: frozenset[int] | None = None) -> Iterator[Frame]:
