@@ -11,6 +11,7 @@ seed and one series of inputs give the same bytes always::
         ...
 """
 
+from math import ceil
 from typing import Final
 
 from attest_mav.errors import UsageError
@@ -35,6 +36,7 @@ SENSOR_RATE_HZ: Final = 400
 
 MAX_RATE_HZ: Final = 1000
 """The fastest stream, and the fastest loop."""
+MIN_LOOP_HZ: Final = 10
 
 REBOOT_S: Final = 2.0
 """How long a restart keeps silent."""
@@ -78,13 +80,14 @@ class FakeAutopilot:
 
     def _checked_loop_rate(self) -> int:
         settings, firmware = self.settings, self.personality
-        rate = settings.fast_rate_hz
-        if rate is not None and not 1.0 <= rate <= MAX_RATE_HZ:
-            raise UsageError(f"rate {rate:g} Hz is out of range: expected 1 to {MAX_RATE_HZ}")
+        rate_hz = 1.0 if settings.fast_rate_hz is None else settings.fast_rate_hz
+        if not 1.0 <= rate_hz <= MAX_RATE_HZ:
+            raise UsageError(f"rate {rate_hz:g} Hz is out of range: expected 1 to {MAX_RATE_HZ}")
         usual = firmware.plane_loop_hz if self.trajectory.is_plane else firmware.copter_loop_hz
-        loop_hz = settings.loop_rate_hz or usual
-        if not 10 <= loop_hz <= MAX_RATE_HZ:
-            raise UsageError(f"loop rate {loop_hz} Hz is out of range: expected 10 to {MAX_RATE_HZ}")
+        # Messages take at most 80 % of the loop rate: whoever wants them faster runs the loop faster.
+        loop_hz = settings.loop_rate_hz or min(max(usual, ceil(1.25 * rate_hz)), MAX_RATE_HZ)
+        if not MIN_LOOP_HZ <= loop_hz <= MAX_RATE_HZ:
+            raise UsageError(f"loop rate {loop_hz} Hz is out of range: expected {MIN_LOOP_HZ} to {MAX_RATE_HZ}")
         return loop_hz
 
     def _booted_streams(self) -> Streams:
@@ -118,6 +121,12 @@ class FakeAutopilot:
     def truth(self, t_ns: int) -> Motion:
         """The true motion at any time."""
         return self.trajectory.at(t_ns * 1e-9)
+
+    def __str__(self) -> str:
+        """What it is and what it does, for people."""
+        imu = next(name for name in self.streams.names if name in IMU_MESSAGES)
+        rate_hz = 1e9 / self.streams.intervals[imu]
+        return f"{self.personality.name} vehicle, scenario {self.settings.scenario}, {imu} at {rate_hz:.4g} Hz"
 
     # --- the inside --------------------------------------------------------------------------------------------
 

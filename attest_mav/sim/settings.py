@@ -71,9 +71,12 @@ class SimSettings:
     scenario: str = "hover"
     """One of ``trajectory.SCENARIOS``."""
     fast_rate_hz: float | None = None
-    """Rate of the IMU, attitude and truth messages at the start; None is the firmware's own default."""
+    """Rate of the IMU, attitude and truth messages at the start, 1 to 1000 Hz; None is the firmware's own default."""
     loop_rate_hz: int | None = None
-    """Main loop; None is the firmware's default. ArduPilot's ceiling on message rates follows from it."""
+    """Main loop, 10 to 1000 Hz; None is the firmware's default, or as much more as ``fast_rate_hz`` needs.
+
+    ArduPilot's ceiling on message rates follows from it.
+    """
     system: int = 1
     earth: Earth = field(default_factory=Earth)
     errors: SensorErrors = field(default_factory=SensorErrors)
