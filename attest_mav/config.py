@@ -62,7 +62,7 @@ class StreamsConfig(_Record, frozen=True):
     imu_messages: tuple[ImuMessage, ...] = ()
     imu_hz: RateHz = 50.0
     attitude_hz: RateHz = 10.0
-    gps_hz: RateHz = 5.0
+    aiding_hz: RateHz = 5.0
 
 
 class GradientDescentConfig(_Record, frozen=True):

@@ -78,8 +78,8 @@ class LockOn:
         return True
 
     def _take(self, vehicle: Vehicle, now_ns: int) -> None:
-        again = "again " if self.vehicle is not None else ""
-        self._notebook.info(f"vehicle found {again}: system {vehicle.system}, component {vehicle.component}")
+        found = "found" if self.vehicle is None else "found again"
+        self._notebook.info(f"vehicle {found}: system {vehicle.system}, component {vehicle.component}")
         self.vehicle = vehicle
         self.present = True
         self._heard_ns = now_ns

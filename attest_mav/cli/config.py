@@ -1,0 +1,29 @@
+"""``attest-mav config``: check a configuration, or show the effective one."""
+
+import click
+
+from attest_mav.config import Config, parse_config
+from attest_mav.config_text import to_toml
+from attest_mav.runtime.files import read_config
+
+
+@click.group("config")
+def command() -> None:
+    """Check a configuration file, or show the effective one."""
+
+
+@command.command("check")
+@click.argument("file")
+def check(file: str) -> None:
+    """Say whether FILE is a valid configuration; exit code 78 if it is not."""
+    config = parse_config(read_config(file), file)
+    links = ", ".join(link.url for link in config.link) or "none (give --link)"
+    click.echo(f"{file}: valid; links: {links}; filter: {config.filter.name}")
+
+
+@command.command("show")
+@click.argument("file", required=False)
+def show(file: str | None) -> None:
+    """Print the whole configuration that FILE makes, defaults included; without FILE, the defaults."""
+    config = Config() if file is None else parse_config(read_config(file), file)
+    click.echo(to_toml(config), nl=False)

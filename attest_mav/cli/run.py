@@ -1,0 +1,44 @@
+"""``attest-mav run``: the daemon."""
+
+import time
+
+import click
+
+from attest_mav.config import Config, parse_config
+from attest_mav.errors import UsageError
+from attest_mav.runtime.daemon import Daemon
+from attest_mav.runtime.files import read_config
+from attest_mav.runtime.journal import log_to_stderr
+
+
+@click.command("run")
+@click.option("--config", "config_file", metavar="FILE", help="Configuration (TOML); see `attest-mav config show`.")
+@click.option("--link", "urls", metavar="URL", multiple=True, help="A link, instead of those of the configuration.")
+def command(config_file: str | None, urls: tuple[str, ...]) -> None:
+    """Run the daemon: inertial messages in, ATTITUDE_QUATERNION out.
+
+    Links: serial:/dev/ttyAMA0:921600, udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT, and sim: for
+    the built-in fake autopilot. pymavlink's spellings work too. It ends with 0 on SIGINT and SIGTERM.
+    """
+    config = load_config(config_file, urls)
+    log_to_stderr(config.log.level)
+    Daemon(config, find_declination).run()
+
+
+def load_config(config_file: str | None, urls: tuple[str, ...]) -> Config:
+    """The configuration file, or the defaults, with the links of the command line."""
+    config = Config() if config_file is None else parse_config(read_config(config_file), config_file)
+    if urls:
+        config = config.with_links(urls)
+    if not config.link:
+        raise UsageError("no link: name one with --link URL, or with [[link]] in the configuration")
+    return config
+
+
+def find_declination(latitude_deg: float, longitude_deg: float, altitude_m: float) -> tuple[float, str]:
+    """The declination there and now, in degrees, and the model it comes from."""
+    # Imported at the first position: it takes time, and some vehicles never have one.
+    from attest_mav.evaluation.field_model import declination_at  # noqa: PLC0415
+
+    declination = declination_at(latitude_deg, longitude_deg, altitude_m, time.time())
+    return declination.degrees, declination.source

@@ -1,0 +1,179 @@
+"""The daemon: one thread, one selector, real links and the real clock around ``Service``."""
+
+import logging
+import os
+import selectors
+import signal
+import socket
+import time
+from types import FrameType
+
+from attest_mav.config import Config
+from attest_mav.link_url import Scheme, parse_link
+from attest_mav.mavlink.dialect import Dialect, load_dialect
+from attest_mav.runtime.links import Link, open_link
+from attest_mav.runtime.notify import Notifier
+from attest_mav.runtime.service import DeclinationFinder, Service
+from attest_mav.runtime.status import StatusLine
+
+log = logging.getLogger("attest_mav.daemon")
+
+
+class Daemon:
+    """Opens the links and runs until SIGINT or SIGTERM.
+
+    LinkError when a link cannot be had, ConfigError when there are several vehicles and none is named.
+    """
+
+    def __init__(self, config: Config, find_declination: DeclinationFinder) -> None:
+        now_ns = time.monotonic_ns()
+        dialect = load_dialect()
+        self.links = open_links(config, dialect, now_ns)
+        self.service = Service(config, [link.url for link in self.links], dialect, find_declination, now_ns)
+        self.notifier = Notifier(os.environ)
+        self.selector = selectors.DefaultSelector()
+        self.stopping = False
+        self._ready = False
+        self._epochs = [link.epoch for link in self.links]
+        self._watched: list[tuple[int, int, int] | None] = [None] * len(self.links)
+        self._status_ns = int(config.log.status_s * 1e9)
+        self._next_status_ns = now_ns + self._status_ns
+        self._status = StatusLine(now_ns)
+        self._next_alive_ns = now_ns
+        self._wake_sockets: tuple[socket.socket, socket.socket] | None = None
+
+    def run(self) -> None:
+        """Work until a signal comes; then say goodbye and close."""
+        self._catch_signals()
+        try:
+            while not self.stopping:
+                self._turn()
+        finally:
+            self._stop()
+
+    def _turn(self) -> None:
+        """Wait for a link or a deadline, and do what follows."""
+        self._watch()
+        due_ns = self._next_deadline_ns()
+        events = self.selector.select(max(0.0, (due_ns - time.monotonic_ns()) / 1e9))
+        now_ns = time.monotonic_ns()
+        for key, mask in events:
+            if key.data is None:
+                continue  # a signal: its handler has done the work
+            link = self.links[key.data]
+            if mask & selectors.EVENT_WRITE:
+                link.flush(now_ns)
+            if mask & selectors.EVENT_READ:
+                self._read(key.data, now_ns)
+        for number, link in enumerate(self.links):
+            if link.next_deadline_ns is not None and link.next_deadline_ns <= now_ns:
+                self._read(number, now_ns)
+        self.service.poll(now_ns)
+        self._write(now_ns)
+        self._report(now_ns)
+
+    def _read(self, number: int, now_ns: int) -> None:
+        """One read; if there is more, the selector says so at once."""
+        link = self.links[number]
+        data = link.receive(now_ns)
+        if link.epoch != self._epochs[number]:
+            self._epochs[number] = link.epoch
+            self.service.link_restarted(number)
+        if data:
+            self.service.receive(number, data, now_ns)
+
+    def _write(self, now_ns: int) -> None:
+        for number, link in enumerate(self.links):
+            for frame in self.service.take_frames(number):
+                link.send(frame, now_ns)
+
+    def _report(self, now_ns: int) -> None:
+        """Tell systemd and the log. WATCHDOG=1 comes from here alone, and only while estimates are fresh."""
+        if self.service.fresh(now_ns):
+            if not self._ready:
+                self._ready = True
+                log.info("ready: the first estimate is there")
+                self.notifier.ready()
+            if self.notifier.watchdog_ns is not None and now_ns >= self._next_alive_ns:
+                self._next_alive_ns = now_ns + self.notifier.watchdog_ns
+                self.notifier.alive()
+        if now_ns >= self._next_status_ns:
+            self._next_status_ns = now_ns + self._status_ns
+            text = self._status.write(self.service, now_ns)
+            log.info("%s", text)
+            self.notifier.status(text)
+
+    def _next_deadline_ns(self) -> int:
+        deadlines = [self.service.next_deadline_ns, self._next_status_ns]
+        deadlines += [link.next_deadline_ns for link in self.links if link.next_deadline_ns is not None]
+        if self._ready and self.notifier.watchdog_ns is not None and self.service.estimate is not None:
+            deadlines.append(self._next_alive_ns)
+        return min(deadlines)
+
+    def _watch(self) -> None:
+        """Keep the selector in step with the links: descriptors come and go, and numbers are used again."""
+        wanted = [_watch_of(link) for link in self.links]
+        if wanted == self._watched:
+            return
+        for old, new in zip(self._watched, wanted, strict=True):
+            if old is not None and old != new:
+                self.selector.unregister(old[0])
+        for number, (old, new) in enumerate(zip(self._watched, wanted, strict=True)):
+            if new is not None and old != new:
+                self.selector.register(new[0], new[2], number)
+        self._watched = wanted
+
+    def _catch_signals(self) -> None:
+        """End on SIGINT and SIGTERM. The signal wakes the selector through a socket; a second one ends at once."""
+        receiver, sender = socket.socketpair()
+        receiver.setblocking(False)
+        sender.setblocking(False)
+        signal.set_wakeup_fd(sender.fileno(), warn_on_full_buffer=False)
+        self._wake_sockets = (receiver, sender)
+        self.selector.register(receiver, selectors.EVENT_READ, None)
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._on_signal)
+
+    def _on_signal(self, number: int, _frame: FrameType | None) -> None:
+        log.info("%s: stopping", signal.Signals(number).name)
+        self.stopping = True
+        signal.signal(number, signal.SIG_DFL)
+
+    def _stop(self) -> None:
+        """The last words, on every link that still takes them."""
+        self.notifier.stopping()
+        self.service.stop()
+        self._write(time.monotonic_ns())
+        signal.set_wakeup_fd(-1)
+        for link in self.links:
+            link.close()
+        self.selector.close()
+        self.notifier.close()
+
+
+def _watch_of(link: Link) -> tuple[int, int, int] | None:
+    """Descriptor, epoch and events to watch a link for; None while it has no descriptor."""
+    fd = link.fd
+    if fd is None:
+        return None
+    return (fd, link.epoch, selectors.EVENT_READ | (selectors.EVENT_WRITE if link.wants_write else 0))
+
+
+def open_links(config: Config, dialect: Dialect, now_ns: int) -> list[Link]:
+    """Open all links of the configuration; those that were opened are closed again when one cannot be had."""
+    links: list[Link] = []
+    try:
+        for one in config.link:
+            url = parse_link(one.url)
+            if url.scheme is Scheme.SIM:
+                # Imported here: a real vehicle needs no simulation.
+                from attest_mav.runtime.sim_link import SimLink  # noqa: PLC0415
+
+                links.append(SimLink(url, dialect, now_ns))
+            else:
+                links.append(open_link(url, now_ns, wait=one.wait))
+    except BaseException:
+        for link in links:
+            link.close()
+        raise
+    return links

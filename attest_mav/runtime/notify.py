@@ -1,0 +1,64 @@
+"""sd_notify(3) in a few lines: tells systemd that we are ready, alive, what we do, and that we stop."""
+
+import logging
+import os
+import socket
+from collections.abc import Mapping
+
+log = logging.getLogger("attest_mav.notify")
+
+
+class Notifier:
+    """Sends to the socket named in NOTIFY_SOCKET; does nothing where there is none.
+
+    watchdog_ns: how often WATCHDOG=1 is to be sent, half of what systemd waits; None where it watches nobody.
+    """
+
+    def __init__(self, environment: Mapping[str, str]) -> None:
+        self._address = environment.get("NOTIFY_SOCKET", "")
+        if self._address.startswith("@"):  # an abstract name
+            self._address = "\0" + self._address[1:]
+        self._socket: socket.socket | None = None
+        if self._address:
+            self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC)
+            self._socket.setblocking(False)
+        self.watchdog_ns = _watchdog_ns(environment)
+
+    def ready(self) -> None:
+        """The first valid estimate is there."""
+        self._send("READY=1")
+
+    def alive(self) -> None:
+        """Estimates are fresh."""
+        self._send("WATCHDOG=1")
+
+    def status(self, text: str) -> None:
+        """One line for ``systemctl status``."""
+        self._send("STATUS=" + text.replace("\n", " "))
+
+    def stopping(self) -> None:
+        """We are about to end."""
+        self._send("STOPPING=1")
+
+    def close(self) -> None:
+        """Nothing is sent after that."""
+        if self._socket is not None:
+            self._socket.close()
+        self._socket = None
+
+    def _send(self, text: str) -> None:
+        if self._socket is None:
+            return
+        try:
+            self._socket.sendto(text.encode(), self._address)
+        except OSError as error:  # systemd is busy or restarting: the next message will do
+            log.debug("cannot notify systemd: %s", error)
+
+
+def _watchdog_ns(environment: Mapping[str, str]) -> int | None:
+    """Half of WATCHDOG_USEC, if that is meant for this process."""
+    period = environment.get("WATCHDOG_USEC", "")
+    meant_for = environment.get("WATCHDOG_PID", str(os.getpid()))
+    if not period.isdecimal() or int(period) == 0 or meant_for != str(os.getpid()):
+        return None
+    return int(period) * 1000 // 2

@@ -1,0 +1,214 @@
+"""The daemon's work without its waiting: bytes of links in, frames for links out, time as an argument.
+
+Framer, companion, decoder and pipeline are put together here. ``attest_mav.runtime.daemon`` gives it the real links
+and the real clock; tests give it a simulated vehicle and a counter.
+"""
+
+import logging
+from collections.abc import Callable, Sequence
+from math import isfinite, radians
+
+from attest_mav.config import Config, LinkConfig
+from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
+from attest_mav.estimation.pipeline import Pipeline
+from attest_mav.mavlink.companion import ACTIVE, BOOT, CALIBRATING, CRITICAL, Companion, CompanionSettings
+from attest_mav.mavlink.decoding import Decoder
+from attest_mav.mavlink.dialect import Dialect
+from attest_mav.mavlink.framing import Framer
+from attest_mav.mavlink.port import PortSettings
+from attest_mav.mavlink.vehicle_data import DataSettings
+from attest_mav.runtime.status import verdict_text
+from attest_mav.types import Estimate, ImuSample, PositionSample, Sample
+
+log = logging.getLogger("attest_mav.service")
+
+DeclinationFinder = Callable[[float, float, float], tuple[float, str]]
+"""Latitude, longitude (degrees) and altitude (m) to the declination in degrees and where it comes from."""
+
+FAR_DEG = 0.5
+"""The declination is looked up again after so many degrees of latitude or longitude: it hardly changes sooner."""
+
+REPORT_NS = 1_000_000_000
+"""How often refusals of the decoder are looked for."""
+
+_WARNINGS = {LaneEventKind.STOPPED, LaneEventKind.FROZEN, LaneEventKind.REBOOTED, LaneEventKind.HEADING_LOST}
+
+
+class Service:
+    """One vehicle's attitude, from the bytes of its links to the frames that are sent on them."""
+
+    def __init__(
+        self, config: Config, links: Sequence[str], dialect: Dialect, find_declination: DeclinationFinder, now_ns: int
+    ) -> None:
+        """``links``: the names of the links, one for each of ``config.link``."""
+        self.config = config
+        ports = [(name, port_settings(link)) for name, link in zip(links, config.link, strict=True)]
+        self.companion = Companion(dialect, companion_settings(config), ports, now_ns)
+        self.framers = [Framer(dialect, self.companion.wanted) for _ in links]
+        self.decoder = Decoder(dialect)
+        self.pipeline: Pipeline | None = None
+        self.samples = 0
+        self._find_declination = find_declination
+        self._declination_deg: float | None = None
+        self._declination_place = (0.0, 0.0)
+        self._sample_ns = now_ns - 10 * self._stale_ns
+        self._told: dict[str, str] = {}
+        self._agreement: Agreement | None = None
+        self._next_report_ns = now_ns + REPORT_NS
+        if config.estimate.declination_deg != "auto":
+            self._declination_deg = config.estimate.declination_deg
+
+    @property
+    def estimate(self) -> Estimate | None:
+        """The newest estimate, None while there is none that holds."""
+        return None if self.pipeline is None else self.pipeline.estimate
+
+    def fresh(self, now_ns: int) -> bool:
+        """Whether the newest estimate is recent enough to be called one."""
+        estimate = self.estimate
+        return estimate is not None and now_ns - estimate.rx_ns < self._stale_ns
+
+    def receive(self, link: int, data: bytes, now_ns: int) -> None:
+        """Take bytes that arrived on a link."""
+        for frame in self.framers[link].feed(data, now_ns):
+            if self.companion.handle(link, frame, now_ns):
+                for sample in self.decoder.decode(frame):
+                    self._take(sample, now_ns)
+
+    def link_restarted(self, link: int) -> None:
+        """A link was opened again: whatever was half received is lost."""
+        self.framers[link].reset()
+        self.companion.link_broken(link)
+
+    def poll(self, now_ns: int) -> None:
+        """Do what is due."""
+        if self.pipeline is not None:
+            self._act(self.pipeline.poll(now_ns), now_ns)
+        if now_ns >= self._next_report_ns:
+            self._next_report_ns = now_ns + REPORT_NS
+            self._report_refusals()
+        self.companion.state = self._state(now_ns)
+        self.companion.poll(now_ns)
+        for note in self.companion.notebook.take():
+            log.log(note.level, "%s", note.text)
+
+    @property
+    def next_deadline_ns(self) -> int:
+        """When ``poll`` is due."""
+        due_ns = min(self.companion.next_deadline_ns, self._next_report_ns)
+        pipeline_ns = None if self.pipeline is None else self.pipeline.next_deadline_ns
+        return due_ns if pipeline_ns is None else min(due_ns, pipeline_ns)
+
+    def take_frames(self, link: int) -> list[bytes]:
+        """The frames to be written to a link."""
+        return self.companion.ports[link].take()
+
+    def stop(self) -> None:
+        """Leave the last words to ``take_frames``."""
+        self.companion.stop()
+
+    @property
+    def _stale_ns(self) -> int:
+        return int(self.config.estimate.stale_s * 1e9)
+
+    def _take(self, sample: Sample, now_ns: int) -> None:
+        if isinstance(sample, ImuSample):
+            if not self.companion.imu_taken(sample.source, now_ns):
+                return
+            self.samples += 1
+            self._sample_ns = now_ns
+            if self.pipeline is None or self.pipeline.primary != sample.source:
+                self._begin_pipeline(sample.source)
+        elif isinstance(sample, PositionSample):
+            self._refer_to_true_north(sample)
+        if self.pipeline is not None:
+            self._act(self.pipeline.handle(sample), now_ns)
+
+    def _begin_pipeline(self, source: str) -> None:
+        config = self.config
+        self.pipeline = Pipeline(config.pipeline_settings(), [config.filter.build()], [source])
+        if self._declination_deg is not None:
+            self.pipeline.set_declination(radians(self._declination_deg))
+        note = self.decoder.notes.get(source, "")
+        log.info("using %s with the filter %s%s", source, config.filter.name, f" ({note})" if note else "")
+
+    def _act(self, events: list[Event], now_ns: int) -> None:
+        """Do what the pipeline's events mean."""
+        for event in events:
+            if isinstance(event, Estimate):
+                self.companion.publish(event, now_ns)
+            elif isinstance(event, Verdict):
+                self._take_verdict(event)
+            elif isinstance(event, LaneEvent):
+                log.log(logging.WARNING if event.kind in _WARNINGS else logging.INFO, "%s: %s", event.lane, event.text)
+                if event.kind == LaneEventKind.REBOOTED:
+                    self.companion.ask_again(now_ns)
+        if self.estimate is None:
+            self.companion.withdraw()
+
+    def _take_verdict(self, verdict: Verdict) -> None:
+        """Pass the verdict on; log it when it changes."""
+        codes = {Agreement.AGREE: 1.0, Agreement.DISAGREE: 0.0, Agreement.UNDECIDED: -1.0}
+        self.companion.tell_verdict(codes[verdict.agreement], verdict.tilt, verdict.heading)
+        if verdict.agreement != self._agreement:
+            self._agreement = verdict.agreement
+            level = logging.WARNING if verdict.agreement == Agreement.DISAGREE else logging.INFO
+            log.log(level, "verdict: %s", verdict_text(verdict))
+
+    def _state(self, now_ns: int) -> int:
+        """MAV_STATE, true to life."""
+        if self.fresh(now_ns):
+            return CRITICAL if self._agreement == Agreement.DISAGREE else ACTIVE
+        return CALIBRATING if now_ns - self._sample_ns < self._stale_ns else BOOT
+
+    def _refer_to_true_north(self, position: PositionSample) -> None:
+        """Look the declination up at the first position, and again far from there."""
+        if self.config.estimate.declination_deg != "auto":
+            return
+        place = (position.latitude_deg, position.longitude_deg)
+        near = max(abs(place[0] - self._declination_place[0]), abs(place[1] - self._declination_place[1])) < FAR_DEG
+        if self._declination_deg is not None and near:
+            return
+        degrees, source = self._find_declination(*place, position.altitude_m)
+        self._declination_place = place
+        if not isfinite(degrees):
+            return
+        self._declination_deg = degrees
+        log.info("headings are true: declination %+.2f degrees by %s", degrees, source)
+        if self.pipeline is not None:
+            self.pipeline.set_declination(radians(degrees))
+
+    def _report_refusals(self) -> None:
+        """Say once why the inertial message gives no samples, or none with a magnetometer."""
+        stream = self.companion.data.imu
+        if stream is None:
+            return
+        for source, reason in self.decoder.refusals.items():
+            if source.startswith(stream.name) and self._told.get(source) != reason:
+                self._told[source] = reason
+                log.warning("%s", reason)
+
+
+def port_settings(link: LinkConfig) -> PortSettings:
+    """What a link carries, from its configuration."""
+    return PortSettings(
+        attitude="attitude_quaternion" in link.publish,
+        covariance="attitude_quaternion_cov" in link.publish,
+        named_values="named_values" in link.publish,
+        yields=link.yield_to_onboard,
+    )
+
+
+def companion_settings(config: Config) -> CompanionSettings:
+    """Who we are and what we ask for, from the configuration."""
+    streams = config.streams
+    data = DataSettings(
+        asks=streams.request,
+        restores=streams.request and streams.restore,
+        imu_messages=streams.imu_messages,
+        imu_hz=streams.imu_hz,
+        attitude_hz=streams.attitude_hz,
+        aiding_hz=streams.aiding_hz,
+    )
+    output = config.output
+    return CompanionSettings(config.vehicle.system_id, output.system_id, output.component_id, output.rate_hz, data)

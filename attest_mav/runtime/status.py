@@ -1,0 +1,74 @@
+"""What a person reads about a running daemon: one line, in degrees and hertz."""
+
+from math import degrees, isfinite
+from typing import TYPE_CHECKING
+
+from attest_mav.algebra import q_to_euler
+from attest_mav.estimation.events import Agreement, Verdict
+from attest_mav.mavlink.companion import ACTIVE, BOOT, CALIBRATING, CRITICAL
+from attest_mav.types import Estimate, North
+
+if TYPE_CHECKING:
+    from attest_mav.runtime.service import Service
+
+STATE_NAMES = {BOOT: "waiting", CALIBRATING: "aligning", ACTIVE: "active", CRITICAL: "CRITICAL"}
+NORTH_NAMES = {North.RELATIVE: "from the start", North.MAGNETIC: "magnetic", North.TRUE: "true"}
+
+_VERDICTS = {
+    Agreement.AGREE: "agrees",
+    Agreement.DISAGREE: "DISAGREES",
+    Agreement.UNDECIDED: "undecided",
+}
+
+
+def attitude_text(estimate: Estimate) -> str:
+    """Roll, pitch and yaw in degrees, and what the yaw is measured from."""
+    roll, pitch, yaw = (degrees(angle) for angle in q_to_euler(estimate.q_nb))
+    return f"roll {roll:+.1f} pitch {pitch:+.1f} yaw {yaw % 360.0:.1f} ({NORTH_NAMES[estimate.north]})"
+
+
+def verdict_text(verdict: Verdict) -> str:
+    """Whether the autopilot agrees, and by how much it does not."""
+    parts = [f"{verdict.source or 'autopilot'} {_VERDICTS[verdict.agreement]}"]
+    if verdict.agreement == Agreement.UNDECIDED or verdict.reason != "agrees":
+        parts.append(f"({verdict.reason})")
+    if isfinite(verdict.tilt):
+        parts.append(f"tilt {degrees(verdict.tilt):.2f}")
+    if isfinite(verdict.heading):
+        parts.append(f"heading {degrees(verdict.heading):+.2f} deg")
+    return " ".join(parts)
+
+
+class StatusLine:
+    """Writes the line; keeps the counts of the last one, so that rates are those in between."""
+
+    def __init__(self, now_ns: int) -> None:
+        self._since_ns = now_ns
+        self._samples = 0
+        self._sent = 0
+
+    def write(self, service: "Service", now_ns: int) -> str:
+        """The line for now."""
+        span_s = max((now_ns - self._since_ns) / 1e9, 1e-9)
+        sent = max((port.attitudes_sent for port in service.companion.ports), default=0)
+        imu_hz, sent_hz = (service.samples - self._samples) / span_s, (sent - self._sent) / span_s
+        self._since_ns, self._samples, self._sent = now_ns, service.samples, sent
+        parts = [STATE_NAMES.get(service.companion.state, "?"), _imu_text(service, imu_hz)]
+        estimate = service.estimate
+        if estimate is not None:
+            parts.append(attitude_text(estimate))
+            if service.pipeline is not None and service.pipeline.verdict is not None:
+                parts.append(verdict_text(service.pipeline.verdict))
+        parts.append(f"sent {sent_hz:.1f} Hz")
+        return " | ".join(parts)
+
+
+def _imu_text(service: "Service", hz: float) -> str:
+    """The inertial message: asked for, answered, arriving."""
+    stream = service.companion.data.imu
+    if stream is None:
+        return "no vehicle yet"
+    asked = f"{stream.name} {hz:.1f} of {stream.hz:g} Hz"
+    if stream.ceiling_hz > 0.0:
+        return f"{asked} (the autopilot's limit)"
+    return asked if stream.answer in {"", "accepted"} else f"{asked} ({stream.answer})"
