@@ -9,6 +9,7 @@ from attest_mav.errors import UsageError
 from attest_mav.runtime.daemon import Daemon
 from attest_mav.runtime.files import read_config
 from attest_mav.runtime.journal import log_to_stderr
+from attest_mav.runtime.stop_signals import stop_signals
 
 
 @click.command("run")
@@ -22,7 +23,8 @@ def command(config_file: str | None, urls: tuple[str, ...]) -> None:
     """
     config = load_config(config_file, urls)
     log_to_stderr(config.log.level)
-    Daemon(config, find_declination).run()
+    with stop_signals() as stop:
+        Daemon(config, find_declination).run(stop)
 
 
 def load_config(config_file: str | None, urls: tuple[str, ...]) -> Config:

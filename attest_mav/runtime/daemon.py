@@ -3,10 +3,8 @@
 import logging
 import os
 import selectors
-import signal
 import socket
 import time
-from types import FrameType
 
 from attest_mav.config import Config
 from attest_mav.link_url import Scheme, parse_link
@@ -17,6 +15,9 @@ from attest_mav.runtime.service import DeclinationFinder, Service
 from attest_mav.runtime.status import StatusLine
 
 log = logging.getLogger("attest_mav.daemon")
+
+STOP = -1
+"""What the selector calls the stop signal; links are called by their numbers."""
 
 
 class Daemon:
@@ -32,7 +33,6 @@ class Daemon:
         self.service = Service(config, [link.url for link in self.links], dialect, find_declination, now_ns)
         self.notifier = Notifier(os.environ)
         self.selector = selectors.DefaultSelector()
-        self.stopping = False
         self._ready = False
         self._epochs = [link.epoch for link in self.links]
         self._watched: list[tuple[int, int, int] | None] = [None] * len(self.links)
@@ -40,29 +40,27 @@ class Daemon:
         self._next_status_ns = now_ns + self._status_ns
         self._status = StatusLine(now_ns)
         self._next_alive_ns = now_ns
-        self._wake_sockets: tuple[socket.socket, socket.socket] | None = None
 
-    def run(self) -> None:
-        """Work until a signal comes; then say goodbye and close."""
-        self._catch_signals()
+    def run(self, stop: socket.socket) -> None:
+        """Work until ``stop`` becomes readable (see ``stop_signals``); then say goodbye and close."""
+        self.selector.register(stop, selectors.EVENT_READ, STOP)
         try:
-            while not self.stopping:
-                self._turn()
+            while self._turn():
+                pass
         finally:
-            self._stop()
+            self._end()
 
-    def _turn(self) -> None:
-        """Wait for a link or a deadline, and do what follows."""
+    def _turn(self) -> bool:
+        """Wait for a link or a deadline, and do what follows; False when it is time to stop."""
         self._watch()
         due_ns = self._next_deadline_ns()
         events = self.selector.select(max(0.0, (due_ns - time.monotonic_ns()) / 1e9))
         now_ns = time.monotonic_ns()
         for key, mask in events:
-            if key.data is None:
-                continue  # a signal: its handler has done the work
-            link = self.links[key.data]
+            if key.data == STOP:
+                return False
             if mask & selectors.EVENT_WRITE:
-                link.flush(now_ns)
+                self.links[key.data].flush(now_ns)
             if mask & selectors.EVENT_READ:
                 self._read(key.data, now_ns)
         for number, link in enumerate(self.links):
@@ -71,6 +69,7 @@ class Daemon:
         self.service.poll(now_ns)
         self._write(now_ns)
         self._report(now_ns)
+        return True
 
     def _read(self, number: int, now_ns: int) -> None:
         """One read; if there is more, the selector says so at once."""
@@ -123,28 +122,12 @@ class Daemon:
                 self.selector.register(new[0], new[2], number)
         self._watched = wanted
 
-    def _catch_signals(self) -> None:
-        """End on SIGINT and SIGTERM. The signal wakes the selector through a socket; a second one ends at once."""
-        receiver, sender = socket.socketpair()
-        receiver.setblocking(False)
-        sender.setblocking(False)
-        signal.set_wakeup_fd(sender.fileno(), warn_on_full_buffer=False)
-        self._wake_sockets = (receiver, sender)
-        self.selector.register(receiver, selectors.EVENT_READ, None)
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._on_signal)
-
-    def _on_signal(self, number: int, _frame: FrameType | None) -> None:
-        log.info("%s: stopping", signal.Signals(number).name)
-        self.stopping = True
-        signal.signal(number, signal.SIG_DFL)
-
-    def _stop(self) -> None:
+    def _end(self) -> None:
         """The last words, on every link that still takes them."""
+        log.info("stopping")
         self.notifier.stopping()
         self.service.stop()
         self._write(time.monotonic_ns())
-        signal.set_wakeup_fd(-1)
         for link in self.links:
             link.close()
         self.selector.close()

@@ -5,11 +5,8 @@ and stays behind: it is advanced in slices, between which the link is served and
 """
 
 import selectors
-import signal
 import socket
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Final
 
 from attest_mav.runtime.links import Link
@@ -92,28 +89,3 @@ class SimHost:
             self.watched = fd
         elif fd is not None and selector.get_key(fd).events != events:
             selector.modify(fd, events)
-
-
-@contextmanager
-def stop_signals() -> Iterator[socket.socket]:
-    """A socket that becomes readable when SIGINT or SIGTERM arrives; the former handlers come back at the end.
-
-    Main thread only, as Python's signals demand.
-    """
-    reader, writer = socket.socketpair()
-    reader.setblocking(False)
-    writer.setblocking(False)
-    former_fd = signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False)
-    former = {number: signal.signal(number, _ignored) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield reader
-    finally:
-        for number, handler in former.items():
-            signal.signal(number, handler)
-        signal.set_wakeup_fd(former_fd)
-        reader.close()
-        writer.close()
-
-
-def _ignored(_number: int, _frame: object) -> None:
-    """The wake-up descriptor tells the loop; nothing is to be done here."""
