@@ -3,15 +3,21 @@
 from attest_mav.errors import UsageError
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.gradient_descent import GradientDescent
+from attest_mav.filters.leveling import Leveling
+from attest_mav.filters.robust_adaptive import RobustAdaptive
 
 
 def filter_names() -> tuple[str, ...]:
     """All names, in the order in which they are shown."""
-    return ("gradient-descent",)
+    return ("gradient-descent", "robust-adaptive", "leveling")
 
 
 def default_filter(name: str) -> AttitudeFilter:
     """The filter of that name with its default parameters; UsageError lists the names if there is none."""
     if name == "gradient-descent":
         return GradientDescent()
+    if name == "robust-adaptive":
+        return RobustAdaptive()
+    if name == "leveling":
+        return Leveling()
     raise UsageError(f"unknown filter {name!r}; known filters: {', '.join(filter_names())}")

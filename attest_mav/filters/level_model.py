@@ -1,0 +1,119 @@
+"""The six-state model of the leveling filter (paper 3): body velocity and the down vector, with their covariance.
+
+The system is linear in both: V' = -[w + W]x V + g a + f and a' = -[w - W]x a, eqs. (7) and (15), with the gyro's
+rate w, the Earth's rate W, specific force f and down vector a. The covariance is kept in blocks named after the
+vectors they relate: p_vv, p_vd and p_dd.
+"""
+
+from math import pi
+from typing import Final
+
+from mypy_extensions import mypyc_attr
+
+from attest_mav.algebra import add, cross, dot, mat_vec, scale, sub
+from attest_mav.matrices import (
+    add_diagonal,
+    axes_turn,
+    floor_diagonal,
+    mat_add,
+    mat_mul,
+    mat_mul_t,
+    mat_scale,
+    mat_t_vec,
+    minus_outer,
+    no_negative_variance,
+    quadratic,
+    symmetric,
+    trace,
+)
+from attest_mav.types import Mat3, Vec3
+
+MIN_VARIANCE: Final = 1e-12
+"""Floor of the variances."""
+
+
+@mypyc_attr(acyclic=True)  # as FilterState
+class Level:
+    """velocity: over ground in the body, m/s. down: in the body, near unit length. p_vv, p_vd, p_dd: covariance."""
+
+    def __init__(self, velocity: Vec3, down: Vec3, p_vv: Mat3, p_vd: Mat3, p_dd: Mat3) -> None:
+        self.velocity: Final = velocity
+        self.down: Final = down
+        self.p_vv: Final = p_vv
+        self.p_vd: Final = p_vd
+        self.p_dd: Final = p_dd
+
+
+def predicted(
+    x: Level, gyro: Vec3, earth: Vec3, accel: Vec3, gravity: float, dt_s: float, q_v: float, q_d: float
+) -> Level:
+    """x after dt_s, eqs. (21), (22) and (26), integrated in closed form while the rates are constant.
+
+    gyro, earth: rad/s. accel: specific force, m/s^2. q_v, q_d: variance that grows on each component a second.
+
+    The transition is [a b; 0 d]. For b, the turn by w + W of what has turned by w - W averages to the turn by w.
+    """
+    a = axes_turn(scale(add(gyro, earth), dt_s))
+    b = mat_scale(axes_turn(scale(gyro, dt_s)), gravity * dt_s)
+    d = axes_turn(scale(sub(gyro, earth), dt_s))
+    velocity = add(add(mat_vec(a, x.velocity), mat_vec(b, x.down)), velocity_gain(add(gyro, earth), accel, dt_s))
+    m_v = mat_add(mat_mul(a, x.p_vv), mat_mul_t(b, x.p_vd))
+    m_d = mat_add(mat_mul(a, x.p_vd), mat_mul(b, x.p_dd))
+    return Level(
+        velocity,
+        mat_vec(d, x.down),
+        add_diagonal(symmetric(mat_add(mat_mul_t(m_v, a), mat_mul_t(m_d, b))), q_v * dt_s),
+        mat_mul_t(m_d, d),
+        add_diagonal(symmetric(mat_mul_t(mat_mul(d, x.p_dd), d)), q_d * dt_s),
+    )
+
+
+def velocity_gain(rate: Vec3, accel: Vec3, dt_s: float) -> Vec3:
+    """What a constant specific force adds to the velocity in axes that turn at ``rate``, to third order in dt_s."""
+    turned = cross(rate, accel)
+    turned_twice = cross(rate, turned)
+    return (
+        dt_s * (accel[0] - dt_s * (0.5 * turned[0] - dt_s / 6.0 * turned_twice[0])),
+        dt_s * (accel[1] - dt_s * (0.5 * turned[1] - dt_s / 6.0 * turned_twice[1])),
+        dt_s * (accel[2] - dt_s * (0.5 * turned[2] - dt_s / 6.0 * turned_twice[2])),
+    )
+
+
+def corrected(x: Level, h_v: Vec3, h_d: Vec3, innovation: float, r: float) -> Level:
+    """x after one scalar row z = h_v.V + h_d.a + noise of variance r, eqs. (23) to (25), Joseph form.
+
+    P <- (I - k h^T) P (I - k h^T)^T + k r k^T, worked out as M + (r k - M h) k^T with M = (I - k h^T) P.
+    """
+    g_v = add(mat_vec(x.p_vv, h_v), mat_vec(x.p_vd, h_d))
+    g_d = add(mat_t_vec(x.p_vd, h_v), mat_vec(x.p_dd, h_d))
+    share = 1.0 / (dot(h_v, g_v) + dot(h_d, g_d) + r)
+    k_v, k_d = scale(g_v, share), scale(g_d, share)
+    m_vv, m_vd, m_dd = minus_outer(x.p_vv, k_v, g_v), minus_outer(x.p_vd, k_v, g_d), minus_outer(x.p_dd, k_d, g_d)
+    w_v = sub(add(mat_vec(m_vv, h_v), mat_vec(m_vd, h_d)), scale(k_v, r))
+    w_d = sub(add(mat_t_vec(m_vd, h_v), mat_vec(m_dd, h_d)), scale(k_d, r))
+    return Level(
+        add(x.velocity, scale(k_v, innovation)),
+        add(x.down, scale(k_d, innovation)),
+        symmetric(minus_outer(m_vv, w_v, k_v)),
+        minus_outer(m_vd, w_v, k_d),
+        symmetric(minus_outer(m_dd, w_d, k_d)),
+    )
+
+
+def tilt_variance(x: Level) -> float:
+    """Variance of the direction of the down vector, summed over both axes across it, rad^2."""
+    length_sq = dot(x.down, x.down)
+    if not length_sq > 1e-12:
+        return pi * pi
+    along = quadratic(x.p_dd, x.down) / length_sq
+    return min(max(trace(x.p_dd) - along, 0.0) / length_sq, pi * pi)
+
+
+def sound(x: Level) -> bool:
+    """True while no variance is negative or NaN."""
+    return no_negative_variance(x.p_vv) and no_negative_variance(x.p_dd)
+
+
+def floored(x: Level) -> Level:
+    """x with its variances no smaller than ``MIN_VARIANCE``."""
+    return Level(x.velocity, x.down, floor_diagonal(x.p_vv, MIN_VARIANCE), x.p_vd, floor_diagonal(x.p_dd, MIN_VARIANCE))

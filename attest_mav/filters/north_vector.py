@@ -1,0 +1,95 @@
+"""The heading beside a down vector: the north direction in the body, level with it.
+
+It is carried by the gyro and drawn to the magnetic field. Together with the down vector it is the whole attitude and
+tells the Earth's turn.
+"""
+
+from math import atan2, cos, isnan, nan, sin
+from typing import Final
+
+from mypy_extensions import mypyc_attr
+
+from attest_mav.algebra import add, cross, dot, norm, scale, sub
+from attest_mav.types import Mat3, Vec3
+
+EARTH_RATE: Final = 7.292115e-5
+"""rad/s, against the stars."""
+MIN_HORIZONTAL: Final = 0.1
+"""Share of the field that must be level for a heading."""
+MAX_FIELD: Final = 1e9
+"""A magnetometer reading of this length or more is not a field (NaN and infinity fail the same test)."""
+MIN_LENGTH: Final = 1e-6
+"""A vector shorter than this has no direction."""
+
+
+@mypyc_attr(acyclic=True)  # as FilterState
+class NorthVector:
+    """A heading, as a direction in the body.
+
+    direction: north, unit and level. variance: of the heading, rad^2. known: False while it is only where a start
+    without field put it. from_field: the last step used the magnetometer.
+    """
+
+    def __init__(self, direction: Vec3, variance: float, known: bool, from_field: bool) -> None:
+        self.direction: Final = direction
+        self.variance: Final = variance
+        self.known: Final = known
+        self.from_field: Final = from_field
+
+
+def direction(v: Vec3, otherwise: Vec3) -> Vec3:
+    """v at unit length, or ``otherwise`` where v has no direction."""
+    length = norm(v)
+    return scale(v, 1.0 / length) if length > MIN_LENGTH else otherwise
+
+
+def across(v: Vec3, axis: Vec3) -> Vec3:
+    """The part of v at right angles to the unit vector ``axis``."""
+    return sub(v, scale(axis, dot(v, axis)))
+
+
+def levelled(north: Vec3, down: Vec3) -> Vec3:
+    """north made level (unit ``down``) and of unit length; if it pointed up or down, any level direction."""
+    aside: Vec3 = (0.0, 1.0, 0.0) if abs(down[1]) < 0.8 else (1.0, 0.0, 0.0)
+    return direction(across(north, down), direction(across(aside, down), aside))
+
+
+def level_axes(north: Vec3, down: Vec3) -> Mat3:
+    """C, body to NED, from unit north and down directions in the body."""
+    return (north, cross(down, north), down)
+
+
+def earth_rate(north: NorthVector, down: Vec3, latitude: float, declination: float) -> Vec3:
+    """The Earth's turn in the body, rad/s, eq. (16); its vertical part alone without a heading, zero without latitude.
+
+    latitude, declination: rad, NaN where unknown. North is magnetic: true north lies ``declination`` to its left.
+    """
+    if isnan(latitude):
+        return (0.0, 0.0, 0.0)
+    vertical = scale(down, -EARTH_RATE * sin(latitude))
+    if not north.known:
+        return vertical
+    true_north = north.direction if isnan(declination) else turned_right(north.direction, down, -declination)
+    return add(scale(true_north, EARTH_RATE * cos(latitude)), vertical)
+
+
+def turned_right(north: Vec3, down: Vec3, angle: float) -> Vec3:
+    """The level unit vector ``north`` turned towards its east by ``angle``, rad."""
+    return add(scale(north, cos(angle)), scale(cross(down, north), sin(angle)))
+
+
+def field_error(north: Vec3, down: Vec3, mag: Vec3) -> float:
+    """Angle of the level part of the field east of ``north``, rad; NaN where the field shows no heading."""
+    length = norm(mag)
+    level = across(mag, down)
+    if not 0.0 < length < MAX_FIELD or norm(level) < MIN_HORIZONTAL * length:
+        return nan
+    return atan2(dot(cross(down, north), level), dot(north, level))
+
+
+def north_from_heading(heading: float, down: Vec3, otherwise: Vec3) -> Vec3:
+    """North in the body of a vehicle whose nose has this heading, rad; ``otherwise`` if the nose is not level."""
+    nose = across((1.0, 0.0, 0.0), down)
+    if norm(nose) < 1e-3:
+        return otherwise
+    return turned_right(direction(nose, otherwise), down, -heading)

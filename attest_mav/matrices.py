@@ -1,0 +1,247 @@
+"""Covariances: small matrices as tuples of rows.
+
+A covariance of four states is a ``Mat4``. One of six states is three blocks of 3 x 3, each named after the two
+vectors that it relates: the propagation then reads like its equations and skips what is zero. Every function returns
+a new value. Nothing here is a general library: it is what the filters need, written out because the compiler
+unboxes tuples of fixed length, and only these.
+"""
+
+from math import cos, sin, sqrt
+
+from attest_mav.algebra import dot, q_dot
+from attest_mav.types import Mat3, Quat, Vec3
+
+Mat4 = tuple[Quat, Quat, Quat, Quat]
+"""Four rows."""
+
+# --- 3 x 3 ---------------------------------------------------------------------------------------------------------
+
+
+def diagonal(k: float) -> Mat3:
+    """k I."""
+    return ((k, 0.0, 0.0), (0.0, k, 0.0), (0.0, 0.0, k))
+
+
+def transpose(m: Mat3) -> Mat3:
+    """m^T."""
+    (a, b, c), (d, e, f), (g, h, i) = m
+    return ((a, d, g), (b, e, h), (c, f, i))
+
+
+def mat_add(a: Mat3, b: Mat3) -> Mat3:
+    """a + b."""
+    (a1, a2, a3), (a4, a5, a6), (a7, a8, a9) = a
+    (b1, b2, b3), (b4, b5, b6), (b7, b8, b9) = b
+    return ((a1 + b1, a2 + b2, a3 + b3), (a4 + b4, a5 + b5, a6 + b6), (a7 + b7, a8 + b8, a9 + b9))
+
+
+def mat_scale(m: Mat3, k: float) -> Mat3:
+    """k m."""
+    (a, b, c), (d, e, f), (g, h, i) = m
+    return ((k * a, k * b, k * c), (k * d, k * e, k * f), (k * g, k * h, k * i))
+
+
+def mat_t_vec(m: Mat3, v: Vec3) -> Vec3:
+    """m^T v."""
+    (a, b, c), (d, e, f), (g, h, i) = m
+    x, y, z = v
+    return (a * x + d * y + g * z, b * x + e * y + h * z, c * x + f * y + i * z)
+
+
+def mat_mul(m: Mat3, n: Mat3) -> Mat3:
+    """m n."""
+    (a, b, c), (d, e, f), (g, h, i) = m
+    (p, q, r), (s, t, u), (x, y, z) = n
+    return (
+        (a * p + b * s + c * x, a * q + b * t + c * y, a * r + b * u + c * z),
+        (d * p + e * s + f * x, d * q + e * t + f * y, d * r + e * u + f * z),
+        (g * p + h * s + i * x, g * q + h * t + i * y, g * r + h * u + i * z),
+    )
+
+
+def mat_mul_t(m: Mat3, n: Mat3) -> Mat3:
+    """m n^T."""
+    return mat_mul(m, transpose(n))
+
+
+def minus_outer(m: Mat3, u: Vec3, v: Vec3) -> Mat3:
+    """m - u v^T."""
+    (a, b, c), (d, e, f), (g, h, i) = m
+    p, q, r = u
+    x, y, z = v
+    return (
+        (a - p * x, b - p * y, c - p * z),
+        (d - q * x, e - q * y, f - q * z),
+        (g - r * x, h - r * y, i - r * z),
+    )
+
+
+def add_diagonal(m: Mat3, k: float) -> Mat3:
+    """m + k I."""
+    (a, b, c), (d, e, f), (g, h, i) = m
+    return ((a + k, b, c), (d, e + k, f), (g, h, i + k))
+
+
+def floor_diagonal(m: Mat3, least: float) -> Mat3:
+    """m with no element of its diagonal below ``least``."""
+    (a, b, c), (d, e, f), (g, h, i) = m
+    return ((max(a, least), b, c), (d, max(e, least), f), (g, h, max(i, least)))
+
+
+def no_negative_variance(m: Mat3) -> bool:
+    """True while no element of the diagonal is negative or NaN."""
+    return m[0][0] >= 0.0 and m[1][1] >= 0.0 and m[2][2] >= 0.0
+
+
+def symmetric(m: Mat3) -> Mat3:
+    """(m + m^T) / 2: rounding must not make a covariance lopsided."""
+    (a, b, c), (d, e, f), (g, h, i) = m
+    b, c, f = 0.5 * (b + d), 0.5 * (c + g), 0.5 * (f + h)
+    return ((a, b, c), (b, e, f), (c, f, i))
+
+
+def largest_variance(m: Mat3) -> float:
+    """Largest element of the diagonal."""
+    a, b, c = m[0][0], m[1][1], m[2][2]
+    largest = a if a > b else b
+    return largest if largest > c else c
+
+
+def trace(m: Mat3) -> float:
+    """Sum of the diagonal."""
+    return m[0][0] + m[1][1] + m[2][2]
+
+
+def quadratic(m: Mat3, h: Vec3) -> float:
+    """h^T m h."""
+    return dot(h, (dot(m[0], h), dot(m[1], h), dot(m[2], h)))
+
+
+def axes_turn(angle: Vec3) -> Mat3:
+    """exp(-[angle]x): what a fixed vector's coordinates are multiplied by when its axes turn by ``angle``, rad.
+
+    Rodrigues: I - a [u]x + b [u]x^2, with a = sin t / t and b = (1 - cos t) / t^2 for the angle t.
+    """
+    x, y, z = angle
+    xx, yy, zz = x * x, y * y, z * z
+    t2 = xx + yy + zz
+    if t2 < 0.01:
+        # The next terms are below 1e-17 here; a step at the rates of a vehicle never takes the other branch.
+        a = 1.0 - t2 * (1.0 / 6.0 - t2 * (1.0 / 120.0 - t2 * (1.0 / 5040.0 - t2 * (1.0 / 362880.0))))
+        b = 0.5 - t2 * (1.0 / 24.0 - t2 * (1.0 / 720.0 - t2 * (1.0 / 40320.0 - t2 * (1.0 / 3628800.0))))
+    else:
+        t = sqrt(t2)
+        a = sin(t) / t
+        b = (1.0 - cos(t)) / t2
+    ax, ay, az = a * x, a * y, a * z
+    bxy, bxz, byz = b * x * y, b * x * z, b * y * z
+    return (
+        (1.0 - b * (yy + zz), bxy + az, bxz - ay),
+        (bxy - az, 1.0 - b * (xx + zz), byz + ax),
+        (bxz + ay, byz - ax, 1.0 - b * (xx + yy)),
+    )
+
+
+# --- 4 x 4 ---------------------------------------------------------------------------------------------------------
+
+
+def diagonal4(k: float) -> Mat4:
+    """k I."""
+    return ((k, 0.0, 0.0, 0.0), (0.0, k, 0.0, 0.0), (0.0, 0.0, k, 0.0), (0.0, 0.0, 0.0, k))
+
+
+def scale4(v: Quat, k: float) -> Quat:
+    """k v."""
+    return (k * v[0], k * v[1], k * v[2], k * v[3])
+
+
+def add4(a: Quat, b: Quat) -> Quat:
+    """a + b."""
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3])
+
+
+def transpose4(m: Mat4) -> Mat4:
+    """m^T."""
+    (a, b, c, d), (e, f, g, h), (i, j, k, n), (p, q, r, s) = m
+    return ((a, e, i, p), (b, f, j, q), (c, g, k, r), (d, h, n, s))
+
+
+def mat_vec4(m: Mat4, v: Quat) -> Quat:
+    """m v."""
+    (a, b, c, d), (e, f, g, h), (i, j, k, n), (p, q, r, s) = m
+    w, x, y, z = v
+    return (
+        a * w + b * x + c * y + d * z,
+        e * w + f * x + g * y + h * z,
+        i * w + j * x + k * y + n * z,
+        p * w + q * x + r * y + s * z,
+    )
+
+
+def rank_one4(m: Mat4, u: Quat, v: Quat) -> Mat4:
+    """m + u v^T."""
+    (a, b, c, d), (e, f, g, h), (i, j, k, n), (p, q, r, s) = m
+    w, x, y, z = v
+    t0, t1, t2, t3 = u
+    return (
+        (a + t0 * w, b + t0 * x, c + t0 * y, d + t0 * z),
+        (e + t1 * w, f + t1 * x, g + t1 * y, h + t1 * z),
+        (i + t2 * w, j + t2 * x, k + t2 * y, n + t2 * z),
+        (p + t3 * w, q + t3 * x, r + t3 * y, s + t3 * z),
+    )
+
+
+def quadratic4(m: Mat4, h: Quat) -> float:
+    """h^T m h."""
+    return q_dot(h, mat_vec4(m, h))
+
+
+def correction4(p: Mat4, h: Quat, r: float) -> tuple[Quat, Mat4]:
+    """The Kalman gain of one scalar row z = h x + noise of variance r, and the covariance after it (Joseph form).
+
+    k = P h / (h^T P h + r);  P <- (I - k h^T) P (I - k h^T)^T + k r k^T, worked out as M + (r k - M h) k^T with
+    M = (I - k h^T) P.
+    """
+    g = mat_vec4(p, h)
+    k = scale4(g, 1.0 / (q_dot(h, g) + r))
+    m = rank_one4(p, scale4(k, -1.0), g)
+    rest = add4(scale4(k, r), scale4(mat_vec4(m, h), -1.0))
+    return (k, rank_one4(m, rest, k))
+
+
+def symmetric4(m: Mat4) -> Mat4:
+    """(m + m^T) / 2."""
+    (a, b, c, d), (e, f, g, h), (i, j, k, n), (p, q, r, s) = m
+    b, c, d = 0.5 * (b + e), 0.5 * (c + i), 0.5 * (d + p)
+    g, h, n = 0.5 * (g + j), 0.5 * (h + q), 0.5 * (n + r)
+    return ((a, b, c, d), (b, f, g, h), (c, g, k, n), (d, h, n, s))
+
+
+def add_diagonal4(m: Mat4, v: float) -> Mat4:
+    """m + v I."""
+    (a, b, c, d), (e, f, g, h), (i, j, k, n), (p, q, r, s) = m
+    return ((a + v, b, c, d), (e, f + v, g, h), (i, j, k + v, n), (p, q, r, s + v))
+
+
+def floor_diagonal4(m: Mat4, least: float) -> Mat4:
+    """m with no element of its diagonal below ``least``."""
+    (a, b, c, d), (e, f, g, h), (i, j, k, n), (p, q, r, s) = m
+    return ((max(a, least), b, c, d), (e, max(f, least), g, h), (i, j, max(k, least), n), (p, q, r, max(s, least)))
+
+
+def scaled4(m: Mat4, k: float) -> Mat4:
+    """k m."""
+    return (scale4(m[0], k), scale4(m[1], k), scale4(m[2], k), scale4(m[3], k))
+
+
+def largest_variance4(m: Mat4) -> float:
+    """Largest element of the diagonal."""
+    a, b, c, d = m[0][0], m[1][1], m[2][2], m[3][3]
+    first = a if a > b else b
+    second = c if c > d else d
+    return first if first > second else second
+
+
+def no_negative_variance4(m: Mat4) -> bool:
+    """True while no element of the diagonal is negative or NaN."""
+    return m[0][0] >= 0.0 and m[1][1] >= 0.0 and m[2][2] >= 0.0 and m[3][3] >= 0.0
