@@ -1,8 +1,8 @@
 """What is known besides the inertial samples: speed, velocity, airspeed, and whether the vehicle stands.
 
 The leveling filter needs a forward speed. Which message gives it is a setting; ``auto`` takes what suits the vehicle:
-airspeed for wings, groundspeed on ground and water, and for what can move sideways the GPS velocity resolved along
-the nose. The flight filter takes the velocity itself, from GPS_RAW_INT unless told otherwise: GLOBAL_POSITION_INT
+airspeed for wings, groundspeed on ground and water, which go where they point; and for what can move sideways the
+GPS velocity resolved in the body. The flight filter takes the velocity itself, from GPS_RAW_INT unless told otherwise: GLOBAL_POSITION_INT
 comes out of the filter under judgement.
 """
 
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from math import nan, pi
 from typing import Final
 
-from attest_mav.algebra import rotate
+from attest_mav.algebra import rotate_back
 from attest_mav.estimation.stillness import Stillness
 from attest_mav.filters.base import Aids
 from attest_mav.types import (
@@ -21,6 +21,7 @@ from attest_mav.types import (
     PositionSample,
     Quat,
     Sample,
+    Vec3,
     VelocitySample,
 )
 
@@ -97,9 +98,9 @@ class Aiding:
         """The aids at this sample for a filter that holds this attitude."""
         velocity = self._fresh_enough(self._velocities.get(self._settings.velocity), sample)
         air = self._air if self._air is not None and sample.rx_ns - self._air.rx_ns <= STALE_NS else None
-        source, speed = self._forward_speed(air, sample, q_nb, north)
+        source, (forward, side, down) = self._body_velocity(air, sample, q_nb, north)
         return Aids(
-            speed,
+            forward,
             source is not None and source is not self._speed_given,
             self._still,
             self._latitude,
@@ -108,6 +109,8 @@ class Aiding:
             velocity is not None and velocity is not self._velocity_given,
             air.airspeed if air is not None else nan,
             air is not None and air is not self._air_given,
+            side_speed=side,
+            down_speed=down,
         )
 
     def given(self) -> None:
@@ -117,21 +120,23 @@ class Aiding:
         source = self.speed_source
         self._speed_given = self._air if source in ("airspeed", "groundspeed") else self._velocities.get(source)
 
-    def _forward_speed(
+    def _body_velocity(
         self, air: AirDataSample | None, sample: ImuSample, q_nb: Quat, north: North
-    ) -> tuple[Sample | None, float]:
-        """The message behind the forward speed, and the speed in m/s; (None, NaN) without one."""
+    ) -> tuple[Sample | None, Vec3]:
+        """The message behind the forward speed, and the velocity in the body, m/s; NaN where it is not known."""
         source = self.speed_source
         if source in ("airspeed", "groundspeed"):
             if air is None:
-                return (None, nan)
-            return (air, air.airspeed if source == "airspeed" else air.groundspeed)
+                return (None, (nan, nan, nan))
+            across = 0.0 if self._vehicle_type in WINGS or self._vehicle_type in SURFACE else nan
+            return (air, (air.airspeed if source == "airspeed" else air.groundspeed, across, across))
         velocity = self._fresh_enough(self._velocities.get(source), sample)
         if velocity is None or north == North.RELATIVE:
-            return (None, nan)
-        nose = rotate(q_nb, (1.0, 0.0, 0.0))
-        v = velocity.v_ned
-        return (velocity, nose[0] * v[0] + nose[1] * v[1] + nose[2] * v[2])
+            return (None, (nan, nan, nan))
+        v_north, v_east, _ = velocity.v_ned
+        if velocity.vertical_known or air is None:
+            return (velocity, rotate_back(q_nb, velocity.v_ned))
+        return (velocity, rotate_back(q_nb, (v_north, v_east, -air.climb)))
 
     def _fresh_enough(self, velocity: VelocitySample | None, sample: ImuSample) -> VelocitySample | None:
         return velocity if velocity is not None and sample.rx_ns - velocity.rx_ns <= STALE_NS else None

@@ -118,3 +118,31 @@ def test_an_armed_vehicle_stands_only_if_its_speed_says_so(imu, speed, expected)
     if speed is not None:
         aiding.take(velocity(0.0, (speed, 0.0, 0.0)))
     assert stands(aiding, imu, 0.0, 2.0) is expected
+
+
+def test_wings_and_wheels_go_where_they_point(imu):
+    for vehicle_type in (PLANE, ROVER):
+        aiding = Aiding(AidSettings())
+        aiding.take(heartbeat(vehicle_type))
+        aiding.take(hud(1.0))
+        aids = aiding.aids(imu(1.0), EAST, North.TRUE)
+        assert (aids.side_speed, aids.down_speed) == (0.0, 0.0)
+
+
+def test_a_copter_with_only_a_speed_has_no_known_side_motion(imu):
+    aiding = Aiding(AidSettings(forward_speed="groundspeed"))
+    aiding.take(heartbeat(COPTER))
+    aiding.take(hud(1.0))
+    aids = aiding.aids(imu(1.0), EAST, North.TRUE)
+    assert isnan(aids.side_speed)
+    assert isnan(aids.down_speed)
+
+
+def test_a_velocity_is_resolved_in_all_body_axes_and_climb_fills_what_gps_lacks(imu):
+    aiding = Aiding(AidSettings())
+    aiding.take(heartbeat(COPTER))
+    aiding.take(AirDataSample("VFR_HUD", 1, 1, S, 0.0, 5.0, 2.0))
+    aiding.take(velocity(1.0, (3.0, 7.0, 0.0)))
+    aids = aiding.aids(imu(1.0), EAST, North.TRUE)
+    # Nose east: forward is east, right is south, and climbing is up.
+    assert (aids.forward_speed, aids.side_speed, aids.down_speed) == pytest.approx((7.0, -3.0, -2.0))
