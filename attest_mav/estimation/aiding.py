@@ -1,9 +1,9 @@
 """What is known besides the inertial samples: speed, velocity, airspeed, and whether the vehicle stands.
 
 The leveling filter needs a forward speed. Which message gives it is a setting; ``auto`` takes what suits the vehicle:
-airspeed for wings, groundspeed on ground and water, which go where they point; and for what can move sideways the
-GPS velocity resolved in the body. The flight filter takes the velocity itself, from GPS_RAW_INT unless told otherwise: GLOBAL_POSITION_INT
-comes out of the filter under judgement.
+airspeed for wings, groundspeed on ground and water, which go where they point; and for what can move sideways the GPS
+velocity resolved in the body. The flight filter takes the velocity itself, from GPS_RAW_INT unless told otherwise:
+GLOBAL_POSITION_INT comes out of the filter under judgement.
 """
 
 from dataclasses import dataclass
