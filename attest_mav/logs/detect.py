@@ -23,6 +23,7 @@ _STRANGERS: Final = (
     (b"FMT, ", "a DataFlash log written as text: use the binary one"),
 )
 _STAMP_BYTES: Final = 8
+_DAY_US: Final = 86_400_000_000
 
 
 def detect_format(head: bytes) -> LogFormat | None:
@@ -45,22 +46,21 @@ def require_format(head: bytes, name: str) -> LogFormat:
 
 
 def _is_tlog(head: bytes) -> bool:
-    """Whether two records follow each other near the start, or one makes up the whole or ends beyond it."""
+    """Whether two records whose times agree follow each other, or one makes up the whole head or ends beyond it."""
     for start in range(min(len(head), HEAD_BYTES) - _STAMP_BYTES):
-        behind = _record_end(head, start)
-        if behind == 0:
+        behind = _frame_end(head, start + _STAMP_BYTES)
+        if behind == 0 or head[start] != 0:
             continue
-        if _record_end(head, behind) > 0 or (start == 0 and behind >= len(head)):
+        if start == 0 and behind >= len(head):
+            return True
+        if _frame_end(head, behind + _STAMP_BYTES) > 0 and abs(_stamp(head, behind) - _stamp(head, start)) < _DAY_US:
             return True
     return False
 
 
-def _record_end(data: bytes, start: int) -> int:
-    """Where the record that may start here would end; 0 when it cannot be one."""
-    frame = start + _STAMP_BYTES
-    end = _frame_end(data, frame)
-    plausible_time = data[start : start + 2] in (b"\0\0", b"\0\1", b"\0\2", b"\0\3", b"\0\4", b"\0\5", b"\0\6", b"\0\7")
-    return end if plausible_time else 0
+def _stamp(data: bytes, start: int) -> int:
+    """The time of the record that may start here, us."""
+    return int.from_bytes(data[start : start + _STAMP_BYTES], "big")
 
 
 def _frame_end(data: bytes, frame: int) -> int:

@@ -6,7 +6,7 @@ from mmap import MADV_DONTNEED, PAGESIZE, mmap
 from typing import Final
 
 from attest_mav.mavlink.dialect import Dialect
-from attest_mav.mavlink.framing import Frame
+from attest_mav.mavlink.frame import Frame
 from attest_mav.mavlink.recording import Recording
 
 WINDOW_BYTES: Final = 1 << 18

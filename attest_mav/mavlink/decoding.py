@@ -10,7 +10,7 @@ from typing import Final
 
 from attest_mav.algebra import is_finite, q_from_euler, q_mul, q_norm, q_unit, rotate_back
 from attest_mav.mavlink.dialect import Dialect
-from attest_mav.mavlink.framing import Frame
+from attest_mav.mavlink.frame import Frame
 from attest_mav.mavlink.imu import ImuLane
 from attest_mav.mavlink.units import INVALID, RawScales, unit_row
 from attest_mav.types import (
@@ -28,6 +28,9 @@ from attest_mav.types import (
 
 ARMED: Final = 128
 """MAV_MODE_FLAG_SAFETY_ARMED in base_mode."""
+
+AUTOPILOT_COMPONENT: Final = 1
+"""MAV_COMP_ID_AUTOPILOT1."""
 
 FIX_3D: Final = 3
 """GPS_FIX_TYPE_3D_FIX; everything above is better."""
@@ -63,7 +66,10 @@ class Reader:
 
 
 class HeartbeatReader(Reader):
-    """HEARTBEAT; keeps the MAV_AUTOPILOT of every system that has one."""
+    """HEARTBEAT; keeps the MAV_AUTOPILOT of every system that has one.
+
+    The autopilot component's own word counts most: other components of a system may claim another autopilot.
+    """
 
     def __init__(self, dialect: Dialect) -> None:
         super().__init__("HEARTBEAT")
@@ -73,7 +79,7 @@ class HeartbeatReader(Reader):
     def read(self, frame: Frame) -> list[Sample]:
         """One HeartbeatSample."""
         vehicle_type, autopilot, base_mode, status = self._fields.unpack(frame.payload)
-        if autopilot != INVALID:
+        if autopilot != INVALID and (frame.component == AUTOPILOT_COMPONENT or frame.system not in self.autopilots):
             self.autopilots[frame.system] = autopilot
         armed = base_mode & ARMED != 0
         return [

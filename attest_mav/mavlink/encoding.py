@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from attest_mav.mavlink.checksum import with_checksum
 from attest_mav.mavlink.dialect import Dialect, Layout
-from attest_mav.mavlink.framing import MAGIC_V2
+from attest_mav.mavlink.frame import MAGIC_V2
 from attest_mav.types import Quat, Vec3
 
 SET_MESSAGE_INTERVAL: Final = 511

@@ -1,25 +1,29 @@
 """Walks over a telemetry log (tlog): frames, each behind its arrival time.
 
 A record is eight bytes, microseconds since 1970 as a big-endian number, and a frame. The frames are found by the rules
-of ``attest_mav.mavlink.framing``. A time that steps back by more than a second, or forward by more than ten, may be
+of ``attest_mav.mavlink.walker``. A time that steps back by more than a second, or forward by more than ten, may be
 damaged. It is believed when the next record's time goes on from it; otherwise the frame gets the time of the one
 before. So a true step (the recorder's clock was set, two logs in one file) costs nothing, and a damaged time moves no
 other frame.
 """
 
+from struct import Struct
 from typing import Final
 
 from mypy_extensions import i64
 
 from attest_mav.mavlink.dialect import Dialect
-from attest_mav.mavlink.framing import Frame, Walker
+from attest_mav.mavlink.frame import Frame
+from attest_mav.mavlink.walker import Walker
 
 STAMP_BYTES: Final = 8
 MARGIN: Final = 2048
 """More than the longest stretch that deciding on one frame looks ahead: five records of 288 bytes."""
 
-_LATEST_US: Final = 1 << 53
-"""No time above this is believed (year 2255); it also keeps nanoseconds within 64 bits."""
+_BIG_ENDIAN: Final = Struct(">Q")
+
+_LATEST_SECOND_BYTE: Final = 0x20
+"""No time from 2**53 us (the year 2255) on is believed; this also keeps nanoseconds within 64 bits."""
 
 _MAX_STEP_BACK_US: Final = 1_000_000
 _MAX_STEP_US: Final = 10_000_000
@@ -45,14 +49,12 @@ class Recording(Walker):
         are left to the next window.
         """
         frames = self._walk(window, len(window) if final else len(window) - MARGIN, final)
-        self._base += self._done
-        self._place -= self._done
-        self._done = 0
+        self._forget_done()
         return frames
 
-    def _arrival(self, size: i64) -> int:
+    def _arrival(self, size: i64) -> i64:
         """The record's time if it can be believed, else that of the record before; ns."""
-        stamp = self._stamp(self._place) if self._place - self._done >= STAMP_BYTES else -1
+        stamp: i64 = self._stamp(self._place) if self._place - self._done >= STAMP_BYTES else -1
         if stamp < 0 or not (_goes_on(self._last_us, stamp) or self._confirmed(stamp, size)):
             self.bad_stamps += 1
             stamp = self._last_us
@@ -65,8 +67,11 @@ class Recording(Walker):
         """The time before a frame, us; -1 when it cannot be one."""
         if frame_at > self._end:
             return -1
-        stamp = int.from_bytes(self._data[frame_at - STAMP_BYTES : frame_at], "big")
-        return stamp if stamp < _LATEST_US else -1
+        data = self._data
+        if data[frame_at - 8] > 0 or data[frame_at - 7] >= _LATEST_SECOND_BYTE:
+            return -1
+        stamp: i64 = _BIG_ENDIAN.unpack_from(data, frame_at - STAMP_BYTES)[0]
+        return stamp
 
     def _confirmed(self, stamp: i64, size: i64) -> bool:
         """Whether the next record's time goes on from ``stamp``; without a next one, whether there was none before."""
