@@ -145,7 +145,7 @@ class Pipeline:
         period_ns = int(_NS / self._settings.publish_hz)
         ahead_ns = self._next_publication_ns - estimate.t_ns
         # A tenth of a period early still counts: timestamps in whole milliseconds jitter around the schedule.
-        if period_ns // 10 < ahead_ns <= period_ns:
+        if period_ns // 10 < ahead_ns <= 2 * period_ns:  # further ahead, the clock has gone back
             return False
         if -period_ns <= ahead_ns <= period_ns:
             self._next_publication_ns += period_ns

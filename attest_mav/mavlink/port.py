@@ -54,10 +54,9 @@ class Schedule:
         if period_ns <= 0:
             return period_ns == 0
         ahead_ns = self._next_ns - t_ns
-        if period_ns // 10 < ahead_ns <= period_ns:
+        if period_ns // 10 < ahead_ns <= 2 * period_ns:  # further ahead, the clock has gone back
             return False
-        regular = -period_ns <= ahead_ns <= period_ns
-        self._next_ns = self._next_ns + period_ns if regular else t_ns + period_ns
+        self._next_ns = self._next_ns + period_ns if abs(ahead_ns) <= period_ns else t_ns + period_ns
         return True
 
 
