@@ -1,0 +1,60 @@
+import io
+
+import pytest
+
+from attest_mav.evaluation.flight import Window
+from attest_mav.evaluation.replay import OUR_COMPONENT, Outputs, Request, replay
+from attest_mav.filters.gradient_descent import GradientDescent
+from attest_mav.logs.tlog import TlogReader
+
+
+class Rows:
+    def __init__(self):
+        self.rows = []
+
+    def write(self, row):
+        self.rows.append(row)
+
+
+def weave(data, dialect, *filters):
+    woven = io.BytesIO()
+    replay(data, dialect, Request(filters, window=Window(skip_s=0.0)), Outputs(woven=woven))
+    return woven.getvalue()
+
+
+def attitudes(data, dialect, one):
+    rows = Rows()
+    replay(data, dialect, Request((one,), window=Window(skip_s=0.0)), Outputs(rows))
+    return [row.attitude for row in rows.rows if row.name == one.name]
+
+
+def test_without_our_records_the_original_is_left_byte_for_byte(data_cut, dialect):
+    damaged = data_cut[:50_000] + b"garbage \xfd\xfe" + data_cut[50_000:-5]
+    woven = weave(damaged, dialect, GradientDescent())
+    kept, last = b"", 0
+    for frame in TlogReader(woven, dialect, frozenset({dialect.id_of("ATTITUDE_QUATERNION")})):
+        kept += woven[last : frame.offset - 8]
+        last = frame.offset + frame.size
+    assert kept + woven[last:] == damaged
+
+
+def test_our_records_carry_the_first_filters_attitudes_behind_their_samples(data_cut, dialect):
+    first, second = GradientDescent(), GradientDescent(beta=0.5)
+    woven = weave(data_cut, dialect, first, second)
+    fields = dialect.layout("ATTITUDE_QUATERNION").pick("time_boot_ms", "q1", "q2", "q3", "q4")
+    ours, imu = [], None
+    for frame in TlogReader(woven, dialect):
+        if frame.component == OUR_COMPONENT:
+            assert frame.message_id == dialect.id_of("ATTITUDE_QUATERNION")
+            assert frame.system == 1
+            assert frame.version == 2
+            assert frame.sequence == len(ours) % 256
+            assert frame.rx_ns == imu.rx_ns
+            ours.append(fields.unpack(frame.payload))
+        elif frame.message_id == dialect.id_of("RAW_IMU"):
+            imu = frame
+    expected = attitudes(data_cut, dialect, first)
+    assert len(ours) == len(expected) > 900
+    for (time_boot_ms, *q), attitude in zip(ours, expected, strict=True):
+        assert time_boot_ms == attitude.t_ns // 1_000_000
+        assert q == pytest.approx(attitude.q_nb, abs=1e-6)
