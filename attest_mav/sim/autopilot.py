@@ -96,7 +96,7 @@ class FakeAutopilot:
     # --- the outside -------------------------------------------------------------------------------------------
 
     def handle(self, data: bytes, now_ns: int) -> None:
-        """Take bytes from the link; they are acted upon at the next loop tick."""
+        """Take bytes from the link; they are acted upon at the first loop tick after ``now_ns``."""
         self.inbox.extend(self.framer.feed(data, now_ns))
 
     def frames_until(self, now_ns: int) -> list[bytes]:
@@ -114,7 +114,7 @@ class FakeAutopilot:
         """When ``frames_until`` will have something, or may: the loop tick at which the next message is due."""
         due_ns = max(self.boot_ns + self.streams.next_ns, self.silent_until_ns)
         if self.inbox:
-            due_ns = min(due_ns, self.inbox[0].rx_ns)
+            due_ns = min(due_ns, self.inbox[0].rx_ns + 1)
         loop = max(-(-due_ns * self.loop_hz // 1_000_000_000), -(-self.tick // self.oversample))
         return self._time_of(loop * self.oversample)
 
@@ -153,7 +153,7 @@ class FakeAutopilot:
 
     def _take_inbox(self, t_ns: int) -> list[Frame]:
         count = 0
-        while count < len(self.inbox) and self.inbox[count].rx_ns <= t_ns:
+        while count < len(self.inbox) and self.inbox[count].rx_ns < t_ns:
             count += 1
         arrived, self.inbox = self.inbox[:count], self.inbox[count:]
         return arrived

@@ -57,7 +57,7 @@ class Commands:
         if name == TIMESYNC:
             tc1, ts1 = self.timesync.unpack(frame.payload)
             if tc1 == 0:
-                return [(TIMESYNC, self.timesync.pack(frame.rx_ns - boot_ns, ts1))]
+                return [(TIMESYNC, self.timesync.pack(int(frame.rx_ns) - boot_ns, ts1))]
         return []
 
     def _is_ours(self, system: int, component: int) -> bool:
@@ -77,7 +77,7 @@ class Commands:
             reply = [(name, None)] if known else []
         else:
             result = RESULT_UNSUPPORTED
-        ack = self.ack.pack(command, result, frame.system, frame.component)
+        ack = self.ack.pack(command, result, int(frame.system), int(frame.component))
         return [("COMMAND_ACK", ack), *reply]
 
     def _set_interval(self, name: str, interval_us: float, streams: Streams, now_ns: int) -> int:
