@@ -13,11 +13,11 @@ import click
 
 from attest_mav.cli.progress import ProgressBar
 from attest_mav.errors import AttestMavError, UnreadableDataError, UsageError
-from attest_mav.evaluation.flight import Window
-from attest_mav.evaluation.plan import check_names
-from attest_mav.evaluation.replay import Outputs, Request, replay
-from attest_mav.evaluation.report import as_json
-from attest_mav.evaluation.rows import RowWriter
+from attest_mav.evaluation.replay.flight import Window
+from attest_mav.evaluation.replay.plan import check_names
+from attest_mav.evaluation.replay.engine import Outputs, Request, replay
+from attest_mav.evaluation.replay.report import as_json
+from attest_mav.evaluation.replay.rows import RowWriter
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.registry import default_filter, filter_names
 from attest_mav.logs.detect import HEAD_BYTES, require_format

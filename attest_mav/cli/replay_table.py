@@ -12,7 +12,7 @@ PIPE_COLUMNS = 120
 
 
 def print_report(report: dict[str, Any]) -> None:
-    """Print one log's report (``attest_mav.evaluation.report.as_json``) on standard output."""
+    """Print one log's report (``attest_mav.evaluation.replay.report.as_json``) on standard output."""
     console = Console(markup=False, highlight=False, emoji=False)
     if not console.is_terminal:
         console = Console(markup=False, highlight=False, emoji=False, width=PIPE_COLUMNS)

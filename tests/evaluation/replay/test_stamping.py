@@ -1,4 +1,4 @@
-from attest_mav.evaluation.stamping import BurstStamp
+from attest_mav.evaluation.replay.stamping import BurstStamp
 
 MS = 1_000_000
 

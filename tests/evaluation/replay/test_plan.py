@@ -1,8 +1,8 @@
 import pytest
 
 from attest_mav.errors import UnreadableDataError, UsageError
-from attest_mav.evaluation.plan import check_names, make_plan
-from attest_mav.evaluation.survey import Survey
+from attest_mav.evaluation.replay.plan import check_names, make_plan
+from attest_mav.evaluation.replay.survey import Survey
 from attest_mav.logs.tlog import TlogReader
 
 

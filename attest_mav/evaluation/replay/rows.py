@@ -5,7 +5,7 @@ from math import degrees, isfinite
 from typing import Final, Protocol
 
 from attest_mav.algebra import q_to_euler
-from attest_mav.evaluation.comparison import Row
+from attest_mav.evaluation.replay.comparison import Row
 
 HEADER: Final = (
     "log",

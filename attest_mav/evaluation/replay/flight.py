@@ -6,12 +6,12 @@ from typing import Final
 
 from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.estimation.timebase import WRAP_NS
-from attest_mav.evaluation.comparison import Attitude, Comparison, RowSink
-from attest_mav.evaluation.log_time import LogTime, Regularity
-from attest_mav.evaluation.plan import Plan
-from attest_mav.evaluation.stamping import BurstStamp
-from attest_mav.evaluation.track import AttitudeTrack
-from attest_mav.evaluation.weave import Weaver
+from attest_mav.evaluation.replay.comparison import Attitude, Comparison, RowSink
+from attest_mav.evaluation.replay.log_time import LogTime, Regularity
+from attest_mav.evaluation.replay.plan import Plan
+from attest_mav.evaluation.replay.stamping import BurstStamp
+from attest_mav.evaluation.replay.track import AttitudeTrack
+from attest_mav.evaluation.replay.weave import Weaver
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.types import NO_TIME, AttitudeSample, Estimate, ImuSample, North, Sample
 

@@ -1,6 +1,6 @@
 import pytest
 
-from attest_mav.evaluation.log_time import LogTime, Regularity
+from attest_mav.evaluation.replay.log_time import LogTime, Regularity
 
 MS = 1_000_000
 

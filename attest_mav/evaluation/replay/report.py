@@ -3,9 +3,9 @@
 from math import inf
 from typing import Any, Final
 
-from attest_mav.evaluation.comparison import Comparison
-from attest_mav.evaluation.metrics import Spread
-from attest_mav.evaluation.replay import Replay
+from attest_mav.evaluation.replay.comparison import Comparison
+from attest_mav.evaluation.replay.engine import Replay
+from attest_mav.evaluation.replay.metrics import Spread
 
 DIGITS: Final = 6
 """Decimals of a degree, a second or a hertz: more than any of them is good for."""

@@ -5,9 +5,9 @@ from math import degrees
 import pytest
 
 from attest_mav.errors import UnreadableDataError
-from attest_mav.evaluation.flight import Window
-from attest_mav.evaluation.replay import Outputs, Request, replay
-from attest_mav.evaluation.report import as_json
+from attest_mav.evaluation.replay.engine import Outputs, Request, replay
+from attest_mav.evaluation.replay.flight import Window
+from attest_mav.evaluation.replay.report import as_json
 from attest_mav.filters.gradient_descent import GradientDescent
 
 OURS = GradientDescent()

@@ -3,8 +3,8 @@ from math import nan, radians
 import pytest
 
 from attest_mav.algebra import q_from_euler, q_heading, q_mul
-from attest_mav.evaluation.comparison import Attitude, Comparison
-from attest_mav.evaluation.track import AttitudeTrack
+from attest_mav.evaluation.replay.comparison import Attitude, Comparison
+from attest_mav.evaluation.replay.track import AttitudeTrack
 from attest_mav.types import North
 
 MS = 1_000_000

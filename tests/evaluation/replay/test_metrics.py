@@ -3,7 +3,7 @@ from math import pi, radians, sqrt
 
 import pytest
 
-from attest_mav.evaluation.metrics import ErrorColumns, percentile, spread
+from attest_mav.evaluation.replay.metrics import ErrorColumns, percentile, spread
 
 
 def test_spread_of_three_four_and_minus_five_degrees():

@@ -3,7 +3,7 @@ from math import radians
 import pytest
 
 from attest_mav.algebra import heading_between, q_exp, q_from_euler, q_heading, q_mul
-from attest_mav.evaluation.track import AttitudeTrack, half_rotation_vector
+from attest_mav.evaluation.replay.track import AttitudeTrack, half_rotation_vector
 
 MS = 1_000_000
 

@@ -2,8 +2,8 @@ import io
 
 import pytest
 
-from attest_mav.evaluation.flight import Window
-from attest_mav.evaluation.replay import OUR_COMPONENT, Outputs, Request, replay
+from attest_mav.evaluation.replay.engine import OUR_COMPONENT, Outputs, Request, replay
+from attest_mav.evaluation.replay.flight import Window
 from attest_mav.filters.gradient_descent import GradientDescent
 from attest_mav.logs.tlog import TlogReader
 

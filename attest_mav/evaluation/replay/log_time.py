@@ -3,7 +3,7 @@
 from array import array
 from typing import Final
 
-from attest_mav.evaluation.track import CLOCK_BACK_NS
+from attest_mav.evaluation.replay.track import CLOCK_BACK_NS
 
 GAP_S: Final = 0.1
 """A shorter pause is no gap, whatever the rate."""

@@ -5,8 +5,8 @@ from typing import Final, Protocol
 
 from attest_mav.algebra import heading_between, tilt_between
 from attest_mav.estimation.timebase import WRAP_NS
-from attest_mav.evaluation.metrics import ErrorColumns
-from attest_mav.evaluation.track import MEMORY_NS, AttitudeTrack
+from attest_mav.evaluation.replay.metrics import ErrorColumns
+from attest_mav.evaluation.replay.track import MEMORY_NS, AttitudeTrack
 from attest_mav.types import North, Quat
 
 

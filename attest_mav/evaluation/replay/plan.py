@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from attest_mav.errors import UnreadableDataError, UsageError
-from attest_mav.evaluation.survey import IMU_MESSAGES, NAMED_REFERENCES, REFERENCE_MESSAGES, Sender, Survey
+from attest_mav.evaluation.replay.survey import IMU_MESSAGES, NAMED_REFERENCES, REFERENCE_MESSAGES, Sender, Survey
 from attest_mav.mavlink.imu_choice import preferred_messages
 from attest_mav.mavlink.units import unit_row
 

@@ -12,12 +12,12 @@ from mmap import mmap
 from typing import Final
 
 from attest_mav.errors import UnreadableDataError
-from attest_mav.evaluation.comparison import RowSink
 from attest_mav.evaluation.field_model import Declination, declination_at
-from attest_mav.evaluation.flight import Flight, Window
-from attest_mav.evaluation.plan import Plan, make_plan
-from attest_mav.evaluation.survey import Survey
-from attest_mav.evaluation.weave import ByteSink, Weaver
+from attest_mav.evaluation.replay.comparison import RowSink
+from attest_mav.evaluation.replay.flight import Flight, Window
+from attest_mav.evaluation.replay.plan import Plan, make_plan
+from attest_mav.evaluation.replay.survey import Survey
+from attest_mav.evaluation.replay.weave import ByteSink, Weaver
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.logs.tlog import TlogReader
 from attest_mav.mavlink.decoding import Decoder

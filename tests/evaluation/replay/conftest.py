@@ -72,7 +72,7 @@ def log(dialect):
 @pytest.fixture(scope="session")
 def cuts():
     """Folder of pieces of the shared simulator flights."""
-    return Path(__file__).parent.parent / "data"
+    return Path(__file__).parent.parent.parent / "data"
 
 
 @pytest.fixture(scope="session")
