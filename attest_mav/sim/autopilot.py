@@ -84,8 +84,9 @@ class FakeAutopilot:
         if not 1.0 <= rate_hz <= MAX_RATE_HZ:
             raise UsageError(f"rate {rate_hz:g} Hz is out of range: expected 1 to {MAX_RATE_HZ}")
         usual = firmware.plane_loop_hz if self.trajectory.is_plane else firmware.copter_loop_hz
-        # Messages take at most 80 % of the loop rate: whoever wants them faster runs the loop faster.
-        loop_hz = settings.loop_rate_hz or min(max(usual, ceil(1.25 * rate_hz)), MAX_RATE_HZ)
+        # Messages take at most 80 % of the loop rate: whoever wants them faster runs the loop faster. Whole multiples
+        # of the usual rate keep the messages' ticks even.
+        loop_hz = settings.loop_rate_hz or min(usual * max(ceil(1.25 * rate_hz / usual), 1), MAX_RATE_HZ)
         if not MIN_LOOP_HZ <= loop_hz <= MAX_RATE_HZ:
             raise UsageError(f"loop rate {loop_hz} Hz is out of range: expected {MIN_LOOP_HZ} to {MAX_RATE_HZ}")
         return loop_hz

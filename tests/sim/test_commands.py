@@ -108,11 +108,13 @@ def test_ardupilot_honours_an_interval_up_to_its_ceiling(bench, loop_hz, asked_u
     assert len(messages["RAW_IMU"]) / 4.0 == pytest.approx(achieved_hz, rel=0.01)
 
 
-def test_the_plane_has_a_slow_loop_unless_it_is_asked_for_more(bench):
+def test_the_plane_has_a_slow_loop_unless_it_is_asked_for_more(bench, decode):
     messages = bench(scenario="coordinated-turns").set_interval(RAW_IMU, 5_000, seconds=5.0)
     assert len(messages["RAW_IMU"]) == pytest.approx(200, abs=1)
     faster = FakeAutopilot(SimSettings(scenario="coordinated-turns", fast_rate_hz=50.0), 1)
     assert str(faster) == "ardupilot vehicle, scenario coordinated-turns, RAW_IMU at 50 Hz"
+    times = [m.time_usec for m in decode(faster.frames_until(3 * S))["RAW_IMU"]]
+    assert times == [20_000 * (k + 1) for k in range(150)]
 
 
 def test_messages_are_sent_on_the_loop(bench):
