@@ -27,16 +27,7 @@ class TlogReader:
 
     def batches(self) -> Iterator[list[Frame]]:
         """The wanted frames, those of one stretch of the log at a time."""
-        recording = self._recording
-        length = len(self._buffer)
-        while True:
-            start = recording.position
-            window = self._buffer[start : start + WINDOW_BYTES]
-            final = start + len(window) == length
-            yield recording.walk(window, final)
-            if final:
-                return
-            _give_back(self._buffer, start, recording.position)
+        return read_windows(self._buffer, self._recording)
 
     def __iter__(self) -> Iterator[Frame]:
         return chain.from_iterable(self.batches())
@@ -74,6 +65,18 @@ class TlogReader:
     def bad_stamps(self) -> int:
         """Wanted frames whose recorded time was not believed."""
         return self._recording.bad_stamps
+
+
+def read_windows(buffer: mmap | bytes, recording: Recording) -> Iterator[list[Frame]]:
+    """Walks a recording over the whole buffer: the wanted frames, those of one window at a time."""
+    length = len(buffer)
+    final = False
+    while not final:
+        start = recording.position
+        window = buffer[start : start + WINDOW_BYTES]
+        final = start + len(window) == length
+        yield recording.walk(window, final)
+        _give_back(buffer, start, recording.position)
 
 
 def _give_back(buffer: mmap | bytes, start: int, stop: int) -> None:

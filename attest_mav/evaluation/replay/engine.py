@@ -19,7 +19,7 @@ from attest_mav.evaluation.replay.plan import Plan, make_plan
 from attest_mav.evaluation.replay.survey import Survey
 from attest_mav.evaluation.replay.weave import ByteSink, Weaver
 from attest_mav.filters.base import AttitudeFilter
-from attest_mav.logs.tlog import TlogReader
+from attest_mav.logs.tlog import TlogReader, read_windows
 from attest_mav.mavlink.decoding import Decoder
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.encoding import Encoder
@@ -100,14 +100,11 @@ def replay(buffer: mmap | bytes, dialect: Dialect, request: Request, outputs: Ou
 def _survey(buffer: mmap | bytes, dialect: Dialect, progress: Callable[[float], None] | None) -> Survey:
     """The first pass."""
     survey = Survey(dialect)
-    reader = TlogReader(buffer, dialect, survey.wanted)
-    for frames in reader.batches():
+    for frames in read_windows(buffer, survey.census):
         survey.take(frames)
-        if progress is not None and frames:
-            progress(SURVEY_SHARE * frames[-1].offset / len(buffer))
-    survey.frames = reader.frames
-    survey.bad_bytes = reader.bad_bytes
-    if not survey.frames:
+        if progress is not None:
+            progress(SURVEY_SHARE * int(survey.census.position) / len(buffer))
+    if not survey.census.frames:
         raise UnreadableDataError("no MAVLink message in it; expected a telemetry log (tlog)")
     return survey
 

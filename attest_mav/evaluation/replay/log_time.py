@@ -1,6 +1,7 @@
 """Log time and the regularity of the inertial samples."""
 
 from array import array
+from math import fsum
 from typing import Final
 
 from attest_mav.evaluation.replay.track import CLOCK_BACK_NS
@@ -56,4 +57,4 @@ class Regularity:
             return (None, 0)
         limit = max(GAP_S, GAP_INTERVALS * intervals[len(intervals) // 2])
         usual = [interval for interval in intervals if interval <= limit]
-        return (len(usual) / sum(usual), len(intervals) - len(usual))
+        return (len(usual) / fsum(usual), len(intervals) - len(usual))

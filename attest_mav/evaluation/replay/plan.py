@@ -60,7 +60,7 @@ def _choose_sender(survey: Survey, imu: str | None) -> Sender:
     wanted = IMU_MESSAGES if imu is None else (imu,)
     amounts = {
         sender: sum(survey.count(sender, name) for name in wanted)
-        for sender in sorted(survey.heartbeats.keys() or survey.senders())
+        for sender in sorted(survey.heartbeats) or survey.senders()
     }
     best = max(amounts, key=amounts.__getitem__, default=None)
     if best is None or not amounts[best]:

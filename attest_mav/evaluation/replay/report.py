@@ -18,8 +18,8 @@ def as_json(name: str, log_format: str, replay: Replay) -> dict[str, Any]:
     return {
         "log": name,
         "format": log_format,
-        "frames": survey.frames,
-        "bad_bytes": survey.bad_bytes,
+        "frames": survey.census.frames,
+        "bad_bytes": survey.census.bad_bytes,
         "duration_s": round(survey.duration_s, DIGITS),
         "vehicle": {"system": plan.sender[0], "component": plan.sender[1]},
         "imu": {

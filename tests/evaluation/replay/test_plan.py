@@ -3,12 +3,12 @@ import pytest
 from attest_mav.errors import UnreadableDataError, UsageError
 from attest_mav.evaluation.replay.plan import check_names, make_plan
 from attest_mav.evaluation.replay.survey import Survey
-from attest_mav.logs.tlog import TlogReader
+from attest_mav.logs.tlog import read_windows
 
 
 def plan_of(log, imu=None, reference=None):
     survey = Survey(log.dialect)
-    for frames in TlogReader(log.data, log.dialect, survey.wanted).batches():
+    for frames in read_windows(log.data, survey.census):
         survey.take(frames)
     return make_plan(survey, imu, reference)
 

@@ -1,0 +1,51 @@
+"""Counts what a recording holds, at the walker's full speed: a frame object is made for few of the frames."""
+
+from typing import Final
+
+from mypy_extensions import i64
+
+from attest_mav.mavlink.dialect import Dialect
+from attest_mav.mavlink.frame import MAGIC_V2, message_id_at
+from attest_mav.mavlink.recording import Recording
+
+FIRST: Final = 16
+EVERY: Final = 16
+"""Of each kind of message from each sender, the first ``FIRST`` frames and then one in ``EVERY`` are returned."""
+
+
+class Census(Recording):
+    """A recording of which all frames are counted and a sample of the wanted ones is returned.
+
+    counts: frames by ``census_key``. first_rx_ns, last_rx_ns: arrival of the first and the last frame.
+    """
+
+    def __init__(self, dialect: Dialect, wanted: frozenset[int] | None) -> None:
+        super().__init__(dialect, wanted)
+        self.counts: Final[dict[int, int]] = {}
+        self.first_rx_ns = 0
+        self.last_rx_ns = 0
+
+    def _take(self, size: i64) -> None:
+        """Count the frame at the present place; make it one of the sample if it is its turn."""
+        data = self._data
+        at = self._place
+        sender = at + (5 if data[at] == MAGIC_V2 else 3)
+        key = census_key(data[sender], data[sender + 1], message_id_at(data, at))
+        count = self.counts.get(key, 0)
+        self.counts[key] = count + 1
+        if self.frames == 0:
+            self.first_rx_ns = self._arrival(size)
+        is_sampled = count < FIRST or count % EVERY == 0
+        if is_sampled or self._final:
+            self.last_rx_ns = self._arrival(size)
+        if is_sampled:
+            super()._take(size)
+        else:
+            self.frames += 1
+            self._follow_sequence(data[sender], data[sender + 1], data[sender - 1])
+            self._pass(size)
+
+
+def census_key(system: i64, component: i64, message_id: i64) -> int:
+    """One number for a kind of message from one sender."""
+    return (message_id << 16) | (system << 8) | component
