@@ -103,7 +103,8 @@ def _survey(buffer: mmap | bytes, dialect: Dialect, progress: Callable[[float], 
     for frames in read_windows(buffer, survey.census):
         survey.take(frames)
         if progress is not None:
-            progress(SURVEY_SHARE * (survey.census.position / len(buffer)))
+            done: int = survey.census.position
+            progress(SURVEY_SHARE * done / len(buffer))
     if not survey.census.frames:
         raise UnreadableDataError("no MAVLink message in it; expected a telemetry log (tlog)")
     return survey
