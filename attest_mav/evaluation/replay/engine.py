@@ -103,11 +103,15 @@ def _survey(buffer: mmap | bytes, dialect: Dialect, progress: Callable[[float], 
     for frames in read_windows(buffer, survey.census):
         survey.take(frames)
         if progress is not None:
-            done: int = survey.census.position
-            progress(SURVEY_SHARE * done / len(buffer))
+            progress(SURVEY_SHARE * _share(survey.census.position, buffer))
     if not survey.census.frames:
         raise UnreadableDataError("no MAVLink message in it; expected a telemetry log (tlog)")
     return survey
+
+
+def _share(done: int, buffer: mmap | bytes) -> float:
+    """Share of the buffer that lies before ``done``."""
+    return done / len(buffer)
 
 
 def _declination(survey: Survey, plan: Plan, given_deg: float | None) -> Declination | None:
@@ -154,7 +158,7 @@ def _fly(
                 for sample in decoder.decode(frame):
                     flight.take(sample, frame.offset + frame.size)
         if progress is not None and frames:
-            progress(SURVEY_SHARE + (1.0 - SURVEY_SHARE) * frames[-1].offset / len(buffer))
+            progress(SURVEY_SHARE + (1.0 - SURVEY_SHARE) * _share(frames[-1].offset, buffer))
     flight.finish()
 
 
