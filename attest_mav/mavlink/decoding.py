@@ -43,6 +43,9 @@ UPDATED_GYRO: Final = 0x038
 UPDATED_MAG: Final = 0x1C0
 """Bits of HIGHRES_IMU.fields_updated; a group is new when all three of its bits are set."""
 
+LATEST_US: Final = 1 << 53
+"""Microseconds that no vehicle reaches (285 years); less keeps nanoseconds within 64 bits."""
+
 _CENTI: Final = 1e-2
 
 
@@ -119,12 +122,14 @@ class ImuReader(Reader):
             if updated & UPDATED_ACCEL != UPDATED_ACCEL or updated & UPDATED_GYRO != UPDATED_GYRO:
                 return self.refuse(frame, "fields_updated says that accelerometer or gyro are not new")
             field_sent = updated & UPDATED_MAG == UPDATED_MAG
+        time: int = values[0]
+        if time >= LATEST_US:
+            return self.refuse(frame, f"its time is impossible ({time})")
         lane = self.lanes.get((frame.system << 16) | (frame.component << 8) | number)
         if lane is None:
             lane = self._open_lane(frame, number)
             if lane is None:
                 return []
-        time: int = values[0]
         accel: Vec3 = (values[1], values[2], values[3])
         gyro: Vec3 = (values[4], values[5], values[6])
         field: Vec3 = (values[7], values[8], values[9])
@@ -234,7 +239,8 @@ class GpsReader(Reader):
         time, lat, lon, alt, vel, cog, fix = self._fields.unpack(frame.payload)
         if fix < FIX_3D:
             return self.refuse(frame, f"no 3-D fix (fix type {fix})")
-        self.refusal = ""
+        if time >= LATEST_US:
+            return self.refuse(frame, f"its time is impossible ({time})")
         t_ns: int = time * 1000
         samples: list[Sample] = []
         if vel != NOT_KNOWN_U16 and (cog != NOT_KNOWN_U16 or vel == 0):
@@ -334,7 +340,12 @@ class Decoder:
     def decode(self, frame: Frame) -> list[Sample]:
         """The samples in a frame; none for a message it does not understand or refuses."""
         reader = self._readers.get(frame.message_id)
-        return [] if reader is None else reader.read(frame)
+        if reader is None:
+            return []
+        samples = reader.read(frame)
+        if samples:
+            reader.refusal = ""
+        return samples
 
     @property
     def refusals(self) -> dict[str, str]:

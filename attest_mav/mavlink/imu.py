@@ -152,7 +152,7 @@ def _expectation(sensor: str, check: MagnitudeCheck, unit: str, meaning: str) ->
     """The sentence of a refusal: what was read, what was expected."""
     return (
         f"the {sensor} reads {check.median:.6g} {unit} (median of {check.WINDOW}), "
-        f"expected {check.low:.3g} to {check.high:.3g} ({meaning}): wrong units or a faulty sensor"
+        f"expected {check.low:.3g} to {check.high:.3g} {unit} ({meaning}): wrong units or a faulty sensor"
     )
 
 
