@@ -5,18 +5,18 @@ the default. configs/attest-mav.toml says what each key means, and a test keeps 
 """
 
 import tomllib
-from math import cos, radians, sin
+from math import radians
 from typing import Annotated, Literal, Self
 
 import msgspec
 from msgspec import Meta
 
-from attest_mav.config_text import check_finite, check_keys, readable
+from attest_mav.config_text import check_keys, check_no_nan, readable
 from attest_mav.errors import ConfigError, UsageError
+from attest_mav.estimation.aiding import AidSettings
 from attest_mav.estimation.pipeline import PipelineSettings
 from attest_mav.estimation.verdict import VerdictSettings
-from attest_mav.filters.base import AttitudeFilter
-from attest_mav.filters.gradient_descent import FixedField, GradientDescent
+from attest_mav.filter_config import FilterConfig
 from attest_mav.link_url import parse_link
 
 SystemId = Annotated[int, Meta(ge=0, le=255)]
@@ -24,6 +24,10 @@ ComponentId = Annotated[int, Meta(ge=1, le=255)]
 RateHz = Annotated[float, Meta(gt=0.0, le=1000.0)]
 Seconds = Annotated[float, Meta(ge=0.1, le=3600.0)]
 ImuMessage = Literal["RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "SCALED_IMU3", "HIGHRES_IMU"]
+SpeedSource = Literal[
+    "auto", "airspeed", "groundspeed", "GPS_RAW_INT", "GLOBAL_POSITION_INT", "LOCAL_POSITION_NED", "none"
+]
+VelocitySource = Literal["GPS_RAW_INT", "GLOBAL_POSITION_INT", "LOCAL_POSITION_NED", "none"]
 Output = Literal["attitude_quaternion", "attitude_quaternion_cov", "named_values"]
 
 
@@ -65,44 +69,11 @@ class StreamsConfig(_Record, frozen=True):
     aiding_hz: RateHz = 5.0
 
 
-class GradientDescentConfig(_Record, frozen=True):
-    """Parameters of the gradient-descent filter, as in ``attest_mav.filters.gradient_descent``."""
+class AidingConfig(_Record, frozen=True):
+    """Where filters that need them take the forward speed and the velocity from."""
 
-    beta: Annotated[float, Meta(gt=0.0, le=10.0)] = GradientDescent.beta
-    full_fusion: bool = GradientDescent.full_fusion
-    alpha: Annotated[float, Meta(gt=1.0)] = GradientDescent.alpha
-    exponential: bool = GradientDescent.exponential
-    reference_dip_deg: Literal["estimate"] | Annotated[float, Meta(ge=-90.0, le=90.0)] = "estimate"
-    min_accel_g: Annotated[float, Meta(ge=0.0, le=1.0)] = GradientDescent.min_accel_g
-    max_accel_g: Annotated[float, Meta(ge=1.0, le=100.0)] = GradientDescent.max_accel_g
-
-    def build(self) -> AttitudeFilter:
-        """The filter with these parameters."""
-        dip = self.reference_dip_deg
-        field = None if isinstance(dip, str) else FixedField(cos(radians(dip)), sin(radians(dip)))
-        return GradientDescent(
-            beta=self.beta,
-            full_fusion=self.full_fusion,
-            alpha=self.alpha,
-            exponential=self.exponential,
-            field=field,
-            min_accel_g=self.min_accel_g,
-            max_accel_g=self.max_accel_g,
-        )
-
-
-class FilterConfig(_Record, frozen=True):
-    """The filter that is published, and the parameters of each: one table a filter, named like it."""
-
-    name: Literal["gradient-descent"] = "gradient-descent"
-    gradient_descent: GradientDescentConfig = msgspec.field(
-        name="gradient-descent", default_factory=GradientDescentConfig
-    )
-
-    def build(self) -> AttitudeFilter:
-        """The chosen filter."""
-        chosen = {"gradient-descent": self.gradient_descent}
-        return chosen[self.name].build()
+    forward_speed: SpeedSource = "auto"
+    velocity: VelocitySource = "GPS_RAW_INT"
 
 
 class EstimateConfig(_Record, frozen=True):
@@ -137,6 +108,7 @@ class Config(_Record, frozen=True):
     link: tuple[LinkConfig, ...] = ()
     streams: StreamsConfig = StreamsConfig()
     filter: FilterConfig = FilterConfig()
+    aiding: AidingConfig = AidingConfig()
     estimate: EstimateConfig = EstimateConfig()
     verdict: VerdictConfig = VerdictConfig()
     log: LogConfig = LogConfig()
@@ -154,7 +126,8 @@ class Config(_Record, frozen=True):
             max_sigma=radians(self.verdict.max_sigma_deg),
             stale_s=self.verdict.stale_s,
         )
-        return PipelineSettings(self.output.rate_hz, self.estimate.stale_s, verdict)
+        aids = AidSettings(self.aiding.forward_speed, self.aiding.velocity)
+        return PipelineSettings(self.output.rate_hz, self.estimate.stale_s, verdict, aids)
 
 
 def parse_config(text: str, name: str) -> Config:
@@ -165,7 +138,7 @@ def parse_config(text: str, name: str) -> Config:
         raise ConfigError(f"{name}: not valid TOML: {error}") from None
     try:
         check_keys(data, Config, "")
-        check_finite(data, "")
+        check_no_nan(data, "")
         config = msgspec.convert(data, Config)
     except msgspec.ValidationError as error:
         raise ConfigError(f"{name}: {readable(str(error), data, Config)}") from None

@@ -4,7 +4,7 @@ Nothing here knows what is configured; ``attest_mav.config`` does.
 """
 
 from difflib import get_close_matches
-from math import isfinite
+from math import isnan
 from typing import Any, Literal, get_args, get_origin
 
 import msgspec
@@ -27,16 +27,16 @@ def check_keys(data: dict[str, Any], record: type[msgspec.Struct], where: str) -
                     check_keys(table, inner, f"{where}{key}[{index}].")
 
 
-def check_finite(value: object, where: str) -> None:
-    """ValueError for nan and inf, which TOML can write: no key means them, and a range does not exclude nan."""
+def check_no_nan(value: object, where: str) -> None:
+    """ValueError for nan, which TOML can write: no key means it, and a range does not exclude it."""
     if isinstance(value, dict):
         for key, inner in value.items():
-            check_finite(inner, f"{where}.{key}" if where else key)
+            check_no_nan(inner, f"{where}.{key}" if where else key)
     elif isinstance(value, list):
         for index, inner in enumerate(value):
-            check_finite(inner, f"{where}[{index}]")
-    elif isinstance(value, float) and not isfinite(value):
-        raise ValueError(f"{where}: expected a finite number, got {value}")
+            check_no_nan(inner, f"{where}[{index}]")
+    elif isinstance(value, float) and isnan(value):
+        raise ValueError(f"{where}: expected a number, got nan")
 
 
 def readable(message: str, data: dict[str, Any], record: type[msgspec.Struct]) -> str:
@@ -115,5 +115,7 @@ def _is_table(value: object) -> bool:
 
 
 def _value_text(value: object) -> str:
-    """One TOML value: JSON spells strings, numbers, booleans and lists of them alike."""
+    """One TOML value: JSON spells strings, numbers, booleans and lists of them alike, but for infinity."""
+    if isinstance(value, float):
+        return repr(value)
     return msgspec.json.encode(value).decode()

@@ -10,12 +10,15 @@ from attest_mav.mavlink.stream_keeper import Order, Stream, StreamKeeper
 
 IMU_MESSAGES: Final = ("RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "SCALED_IMU3", "HIGHRES_IMU")
 OTHER_MESSAGES: Final = ("ATTITUDE", "ATTITUDE_QUATERNION", "GPS_RAW_INT", "VFR_HUD", "SYSTEM_TIME")
+POSITION_MESSAGES: Final = ("GLOBAL_POSITION_INT", "LOCAL_POSITION_NED")
+"""Come out of the autopilot's own filter: asked for only where the configuration wants them."""
 
 RAW_SENSORS: Final = 1
 EXTENDED_STATUS: Final = 2
+POSITION: Final = 6
 EXTRA1: Final = 10
 EXTRA2: Final = 11
-"""MAV_DATA_STREAM: the groups that hold the IMU messages, GPS_RAW_INT, ATTITUDE and VFR_HUD on ArduPilot."""
+"""MAV_DATA_STREAM: on ArduPilot the groups of the IMU messages, GPS_RAW_INT, positions, ATTITUDE and VFR_HUD."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +27,8 @@ class DataSettings:
 
     asks: whether streams are asked for at all; restores: whether they are set back to the autopilot's defaults at the
     end. imu_messages: in order of preference; empty goes by the autopilot. imu_hz, attitude_hz, aiding_hz: rates of
-    the inertial message, of ATTITUDE, and of GPS_RAW_INT and VFR_HUD.
+    the inertial message, of ATTITUDE, and of GPS_RAW_INT and VFR_HUD. positions: which of ``POSITION_MESSAGES`` are
+    wanted besides, at the rate of the aiding ones.
     """
 
     asks: bool = True
@@ -33,6 +37,7 @@ class DataSettings:
     imu_hz: float = 50.0
     attitude_hz: float = 10.0
     aiding_hz: float = 5.0
+    positions: tuple[str, ...] = ()
 
 
 class VehicleData:
@@ -44,7 +49,9 @@ class VehicleData:
         self._settings: Final = settings
         self._notebook: Final = notebook
         self._imu_ids: Final = frozenset([dialect.id_of(name) for name in IMU_MESSAGES])
-        self.wanted: Final = self._imu_ids | frozenset([dialect.id_of(name) for name in OTHER_MESSAGES])
+        self.wanted: Final = self._imu_ids | frozenset(
+            [dialect.id_of(name) for name in OTHER_MESSAGES + settings.positions]
+        )
         """Ids of all that can be of use."""
         self._choice: ImuChoice | None = None
         self._candidate_id = -1
@@ -76,6 +83,7 @@ class VehicleData:
             self._stream("GPS_RAW_INT", settings.aiding_hz, EXTENDED_STATUS),
             self._stream("VFR_HUD", settings.aiding_hz, EXTRA2),
         ]
+        streams += [self._stream(name, settings.aiding_hz, POSITION) for name in settings.positions]
         self.keeper.begin(streams, now_ns)
 
     def arrived(self, message_id: int) -> bool:

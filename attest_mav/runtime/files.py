@@ -19,7 +19,7 @@ MAX_CONFIG_BYTES = 1 << 20
 def open_log(path: str | Path) -> Iterator[mmap.mmap]:
     """The file's bytes, read-only and not copied; UnreadableDataError says why there are none."""
     try:
-        with Path(path).open("rb") as file:
+        with open(path, "rb", opener=_open_without_waiting) as file:
             if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
                 raise UnreadableDataError(f"{path} is not a regular file; expected a log")
             if os.fstat(file.fileno()).st_size == 0:
@@ -29,6 +29,11 @@ def open_log(path: str | Path) -> Iterator[mmap.mmap]:
         raise UnreadableDataError(f"cannot read {path}: {_reason(error)}") from None
     with mapped:
         yield mapped
+
+
+def _open_without_waiting(path: str, flags: int) -> int:
+    """Open a file; a named pipe that nobody writes to would otherwise be waited for."""
+    return os.open(path, flags | os.O_NONBLOCK)
 
 
 def read_config(path: str | Path) -> str:

@@ -16,7 +16,7 @@ from attest_mav.mavlink.decoding import Decoder
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.framing import Framer
 from attest_mav.mavlink.port import PortSettings
-from attest_mav.mavlink.vehicle_data import DataSettings
+from attest_mav.mavlink.vehicle_data import POSITION_MESSAGES, DataSettings
 from attest_mav.runtime.status import verdict_text
 from attest_mav.types import Estimate, ImuSample, PositionSample, Sample
 
@@ -202,6 +202,7 @@ def port_settings(link: LinkConfig) -> PortSettings:
 def companion_settings(config: Config) -> CompanionSettings:
     """Who we are and what we ask for, from the configuration."""
     streams = config.streams
+    used = (config.aiding.forward_speed, config.aiding.velocity)
     data = DataSettings(
         asks=streams.request,
         restores=streams.request and streams.restore,
@@ -209,6 +210,7 @@ def companion_settings(config: Config) -> CompanionSettings:
         imu_hz=streams.imu_hz,
         attitude_hz=streams.attitude_hz,
         aiding_hz=streams.aiding_hz,
+        positions=tuple(name for name in POSITION_MESSAGES if name in used),
     )
     output = config.output
     return CompanionSettings(config.vehicle.system_id, output.system_id, output.component_id, output.rate_hz, data)
