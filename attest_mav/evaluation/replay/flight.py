@@ -9,7 +9,7 @@ from attest_mav.estimation.timebase import WRAP_NS
 from attest_mav.evaluation.replay.comparison import Attitude, Comparison, RowSink
 from attest_mav.evaluation.replay.log_time import LogTime, Regularity
 from attest_mav.evaluation.replay.plan import Plan
-from attest_mav.evaluation.replay.stamping import BurstStamp
+from attest_mav.evaluation.replay.stamping import BurstStamp, Stamped
 from attest_mav.evaluation.replay.track import AttitudeTrack
 from attest_mav.evaluation.replay.weave import Weaver
 from attest_mav.filters.base import AttitudeFilter
@@ -60,6 +60,9 @@ class Flight:
         track = AttitudeTrack()
         self.runs: Final = [Run(one, plan.imu, declination, Comparison(one.name, track, rows)) for one in filters]
         self.autopilot: Final = Comparison(AUTOPILOT_ROW, track, rows) if plan.autopilot is not None else None
+        self._comparisons: Final = [run.comparison for run in self.runs]
+        if self.autopilot is not None:
+            self._comparisons.append(self.autopilot)
         self.imu: Final = Regularity()
         self.reference_samples = 0
         self.sender: Final = plan.sender
@@ -84,14 +87,11 @@ class Flight:
 
     def finish(self) -> None:
         """The log has ended."""
-        for comparison in self._comparisons():
+        self._take_stamped(self._stamp.finish())
+        for comparison in self._comparisons:
             comparison.finish()
         if self._weaver is not None:
             self._weaver.finish()
-
-    def _comparisons(self) -> list[Comparison]:
-        both = [run.comparison for run in self.runs]
-        return both if self.autopilot is None else [*both, self.autopilot]
 
     def _take_imu(self, sample: ImuSample, offset: int) -> None:
         elapsed_s = self._time.advance(sample.t_ns)
@@ -123,21 +123,30 @@ class Flight:
     def _take_attitude(self, sample: AttitudeSample) -> None:
         """The reference, the autopilot's attitude, or the message that lends the reference its time: or two of them."""
         if sample.source == self._plan.timing:
-            self._stamp.timed(sample.t_ns, sample.rx_ns)
-        if not self._reading:
-            return
-        if sample.source == self._plan.reference:
-            self._take_reference(sample)
-        if sample.source == self._plan.autopilot and self.autopilot is not None and self.imu.samples:
-            elapsed_s = self._time.at(sample.t_ns)
-            counted = elapsed_s >= self.runs[0].aligned_s + self.window.skip_s
-            self.autopilot.add(Attitude(sample.t_ns, elapsed_s, sample.q_nb, North.TRUE, nan, nan, counted))
+            self._take_stamped(self._stamp.timed(sample.t_ns, sample.rx_ns))
+        if sample.source == self._plan.reference and self._reading:
+            self.reference_samples += 1
+            if sample.t_ns == NO_TIME:
+                self._take_stamped(self._stamp.untimed(sample))
+            else:
+                self._take_reference(sample, sample.t_ns)
+        if sample.source == self._plan.autopilot and self._reading:
+            self._take_own(sample)
 
-    def _take_reference(self, sample: AttitudeSample) -> None:
-        self.reference_samples += 1
-        t_ns = sample.t_ns if sample.t_ns != NO_TIME else self._stamp.time_of_untimed(sample.rx_ns)
-        if t_ns is None:
+    def _take_own(self, sample: AttitudeSample) -> None:
+        """Compare the autopilot's own attitude, once there is a first inertial sample to count time from."""
+        if self.autopilot is None or not self.imu.samples:
             return
+        elapsed_s = self._time.at(sample.t_ns)
+        counted = elapsed_s >= self.runs[0].aligned_s + self.window.skip_s
+        self.autopilot.add(Attitude(sample.t_ns, elapsed_s, sample.q_nb, North.TRUE, nan, nan, counted))
+
+    def _take_stamped(self, stamped: Stamped | None) -> None:
+        if stamped is not None:
+            self._take_reference(stamped.sample, stamped.t_ns)
+
+    def _take_reference(self, sample: AttitudeSample, t_ns: int) -> None:
+        """The reference has grown: what waited for it can be compared."""
         self._track.add(t_ns % WRAP_NS, sample.q_nb, sample.rates)
-        for comparison in self._comparisons():
+        for comparison in self._comparisons:
             comparison.settle()
