@@ -13,8 +13,8 @@ from attest_mav.runtime.sim_host import SimHost
 from attest_mav.runtime.stop_signals import stop_signals
 from attest_mav.sim.autopilot import MAX_RATE_HZ, FakeAutopilot
 from attest_mav.sim.personality import PERSONALITIES
+from attest_mav.sim.scenarios import SCENARIOS
 from attest_mav.sim.settings import SimSettings
-from attest_mav.sim.trajectory import SCENARIOS
 
 DEFAULT_LINK: Final = "udpout:127.0.0.1:14550"
 DEFAULT_RATE_HZ: Final = 50.0

@@ -23,10 +23,10 @@ from attest_mav.sim.messages import Messages, within
 from attest_mav.sim.motion import Motion
 from attest_mav.sim.personality import IMU_MESSAGES, personality_of
 from attest_mav.sim.report import AttitudeReport
+from attest_mav.sim.scenarios import make_trajectory
 from attest_mav.sim.sensors import SensorSuite
 from attest_mav.sim.settings import SimSettings
 from attest_mav.sim.streams import Streams
-from attest_mav.sim.trajectory import make_trajectory
 
 COMPONENT: Final = 1
 """MAV_COMP_ID_AUTOPILOT1."""
@@ -97,7 +97,7 @@ class FakeAutopilot:
     # --- the outside -------------------------------------------------------------------------------------------
 
     def handle(self, data: bytes, now_ns: int) -> None:
-        """Take bytes from the link; they are acted upon at the first loop tick after ``now_ns``."""
+        """Take bytes from the link; they are acted upon at the first loop tick after ``now_ns``, which never goes back."""
         self.inbox.extend(self.framer.feed(data, now_ns))
 
     def frames_until(self, now_ns: int) -> list[bytes]:

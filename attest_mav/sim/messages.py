@@ -3,7 +3,7 @@
 The units are the firmware's: integers are cut toward zero as a C cast does, which leaves a bias of half a unit.
 """
 
-from math import atan2, degrees, hypot, isfinite
+from math import atan2, degrees, hypot, isnan
 from typing import Final
 
 from attest_mav.algebra import q_to_euler, sub
@@ -59,9 +59,9 @@ ACCEL_AND_GYRO, MAG = 0x03F, 0x1C0
 
 def int16(value: float) -> int:
     """The value cut toward zero and held within int16; NaN becomes 0."""
-    if not isfinite(value):
-        return 0
-    return min(max(int(value), -32768), 32767)
+    if -32769.0 < value < 32768.0:
+        return int(value)
+    return 0 if isnan(value) else 32767 if value > 0.0 else -32768
 
 
 def within(span: Span, t_s: float) -> bool:
@@ -186,12 +186,12 @@ class Messages:
 
     def attitude(self) -> tuple[float, ...]:
         """The reported attitude."""
-        q, rates = self.report.at(self.t_s)
+        q, rates = self.report.at(self.t_s, self.motion)
         return (self.boot_us // 1000, *q_to_euler(q), *rates)
 
     def attitude_quaternion(self) -> tuple[float, ...]:
         """The reported attitude."""
-        q, rates = self.report.at(self.t_s)
+        q, rates = self.report.at(self.t_s, self.motion)
         return (self.boot_us // 1000, *q, *rates)
 
     def sim_state(self) -> tuple[float, ...]:
@@ -240,7 +240,7 @@ class Messages:
 
     def _heading_deg(self) -> float:
         """Heading of the reported attitude, degrees in [0, 360)."""
-        q, _ = self.report.at(self.t_s)
+        q, _ = self.report.at(self.t_s, self.motion)
         return degrees(q_to_euler(q)[2]) % 360.0
 
     def system_time(self) -> tuple[int, ...]:

@@ -1,23 +1,14 @@
-"""What a body does at one instant, and the small calculus that makes it exact.
+"""What a body does at one instant.
 
-A trajectory is written as *jets*: a value together with its first three time derivatives. Sums and products of jets
-are jets, so velocity, acceleration and body rates follow from a path without a numerical derivative, and a motion
-can be asked for at any time, in any order.
-
-Attitudes are written as yaw-pitch-roll angles and their rates. Going from those to body rates is regular in every
+Attitudes are made of yaw-pitch-roll angles and their rates. Going from those to body rates is regular in every
 attitude (only the way back is not), so a tumbling body may pass through any of them.
 """
 
 from math import atan2, cos, hypot, sin
-from typing import Final
 
 from attest_mav.algebra import q_from_euler, rotate_back
+from attest_mav.sim.jets import Jet
 from attest_mav.types import G_MPS2, Quat, Vec3
-
-Jet = tuple[float, float, float, float]
-"""(x, dx/dt, d2x/dt2, d3x/dt3)."""
-
-ZERO: Final[Jet] = (0.0, 0.0, 0.0, 0.0)
 
 
 class Motion:
@@ -40,74 +31,6 @@ class Motion:
         """f_b = C(q)^T (a_n - g_n), m/s^2: what an ideal accelerometer at the centre of mass reads."""
         a = self.a_ned
         return rotate_back(self.q_nb, (a[0], a[1], a[2] - G_MPS2))
-
-
-# --- jets ----------------------------------------------------------------------------------------------------------
-
-
-def constant(value: float) -> Jet:
-    """A value that never changes."""
-    return (value, 0.0, 0.0, 0.0)
-
-
-def plus(a: Jet, b: Jet) -> Jet:
-    """a + b."""
-    return (a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3])
-
-
-def times(a: Jet, b: Jet) -> Jet:
-    """a b, by Leibniz's rule."""
-    return (
-        a[0] * b[0],
-        a[1] * b[0] + a[0] * b[1],
-        a[2] * b[0] + 2.0 * a[1] * b[1] + a[0] * b[2],
-        a[3] * b[0] + 3.0 * a[2] * b[1] + 3.0 * a[1] * b[2] + a[0] * b[3],
-    )
-
-
-def scaled(a: Jet, k: float) -> Jet:
-    """k a, k constant."""
-    return (k * a[0], k * a[1], k * a[2], k * a[3])
-
-
-def sine(t: float, amplitude: float, omega: float, phase: float) -> Jet:
-    """amplitude sin(omega t + phase)."""
-    s = amplitude * sin(omega * t + phase)
-    c = amplitude * omega * cos(omega * t + phase)
-    return (s, c, -omega * omega * s, -omega * omega * c)
-
-
-def smooth_step(t: float, start: float, duration: float) -> Jet:
-    """From 0 to 1 between ``start`` and ``start + duration``; the first three derivatives are zero at both ends.
-
-    S(x) = 35 x^4 - 84 x^5 + 70 x^6 - 20 x^7, the polynomial of least degree that does so.
-    """
-    x = (t - start) / duration
-    if x <= 0.0:
-        return ZERO
-    if x >= 1.0:
-        return (1.0, 0.0, 0.0, 0.0)
-    u = x * (1.0 - x)
-    slope = 1.0 - 2.0 * x
-    return (
-        x**4 * (35.0 - x * (84.0 - x * (70.0 - 20.0 * x))),
-        140.0 * u**3 / duration,
-        420.0 * u * u * slope / duration**2,
-        840.0 * u * (slope * slope - u) / duration**3,
-    )
-
-
-def smooth_ramp(t: float, start: float, duration: float) -> Jet:
-    """The integral of ``smooth_step``: at rest before ``start``, slope 1 after ``start + duration``."""
-    step = smooth_step(t, start, duration)
-    x = (t - start) / duration
-    if x <= 0.0:
-        return ZERO
-    value = duration * x**5 * (7.0 - x * (14.0 - x * (10.0 - 2.5 * x))) if x < 1.0 else t - start - 0.5 * duration
-    return (value, step[0], step[1], step[2])
-
-
-# --- attitude ------------------------------------------------------------------------------------------------------
 
 
 def body_rates(roll: float, pitch: float, euler_rates: Vec3) -> Vec3:

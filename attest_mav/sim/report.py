@@ -4,6 +4,7 @@ from math import pi, sin
 from random import Random
 
 from attest_mav.algebra import add, q_exp, q_mul, scale
+from attest_mav.sim.motion import Motion
 from attest_mav.sim.settings import Faults
 from attest_mav.sim.trajectory import Trajectory
 from attest_mav.types import Quat, Vec3
@@ -25,12 +26,11 @@ class AttitudeReport:
         self.faults = faults
         self.phases = [(rng.uniform(0.0, 2.0 * pi), rng.uniform(0.0, 2.0 * pi)) for _ in range(3)]
 
-    def at(self, t_s: float) -> tuple[Quat, Vec3]:
-        """Reported q_nb and body rates (rad/s) at a time of the simulation."""
+    def at(self, t_s: float, motion: Motion) -> tuple[Quat, Vec3]:
+        """Reported q_nb and body rates (rad/s) at a time of the simulation, with the true motion then."""
         start, end = self.faults.attitude_frozen
         if start <= t_s < end:
-            t_s = start
-        motion = self.trajectory.at(t_s)
+            t_s, motion = start, self.trajectory.at(start)
         error = self.error(t_s)
         if t_s >= self.faults.attitude_offset_from_s:
             error = add(error, self.faults.attitude_offset)

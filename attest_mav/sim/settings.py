@@ -69,7 +69,7 @@ class SimSettings:
     personality: str = "ardupilot"
     """``ardupilot`` or ``px4``."""
     scenario: str = "hover"
-    """One of ``trajectory.SCENARIOS``."""
+    """One of ``scenarios.SCENARIOS``."""
     fast_rate_hz: float | None = None
     """Rate of the IMU, attitude and truth messages at the start, 1 to 1000 Hz; None is the firmware's own default."""
     loop_rate_hz: int | None = None

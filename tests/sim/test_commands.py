@@ -159,6 +159,14 @@ def test_messages_it_does_not_have_are_refused(bench, name, message_id, expected
     assert result(bench(personality=name).set_interval(message_id, 20_000)) == expected
 
 
+@pytest.mark.parametrize("name", ["ardupilot", "px4"])
+def test_an_interval_of_ages_is_taken_as_it_is_meant(bench, name):
+    message_id = mavlink.MAVLINK_MSG_ID_SCALED_IMU
+    messages = bench(personality=name).set_interval(message_id, 1e30)
+    assert result(messages) == mavlink.MAV_RESULT_ACCEPTED
+    assert "SCALED_IMU" not in messages
+
+
 @pytest.mark.parametrize("interval", [float("nan"), float("inf")])
 def test_an_interval_that_is_no_number_is_denied(bench, interval):
     assert result(bench().set_interval(RAW_IMU, interval)) == mavlink.MAV_RESULT_DENIED

@@ -32,7 +32,17 @@ def truth_at(vehicle, message):
 
 @pytest.mark.parametrize(
     ("value", "expected"),
-    [(0.999, 0), (-0.999, 0), (1.999, 1), (-1.999, -1), (4e4, 32767), (-4e4, -32768), (float("nan"), 0)],
+    [
+        (0.999, 0),
+        (-0.999, 0),
+        (1.999, 1),
+        (-1.999, -1),
+        (4e4, 32767),
+        (-4e4, -32768),
+        (float("nan"), 0),
+        (32767.9, 32767),
+        (-32768.9, -32768),
+    ],
 )
 def test_integers_are_cut_toward_zero_and_held_in_range(value, expected):
     assert int16(value) == expected
@@ -121,7 +131,7 @@ def test_sim_state_is_the_truth_and_attitude_stays_within_its_error(decode, pers
         assert (state.xacc, state.yacc, state.zacc) == pytest.approx(truth.specific_force(), abs=1e-5)
         assert (state.xgyro, state.ygyro, state.zgyro) == pytest.approx(truth.rates, abs=1e-6)
         assert (state.vn, state.ve, state.vd) == pytest.approx(truth.v_ned, abs=1e-5)
-        reported, _ = vehicle.messages.report.at(t_ns * 1e-9)
+        reported, _ = vehicle.messages.report.at(t_ns * 1e-9, truth)
         assert degrees(tilt_between(reported, truth.q_nb)) < 0.15
         assert (attitude.roll, attitude.pitch, attitude.yaw) == pytest.approx(q_to_euler(reported), abs=1e-6)
 

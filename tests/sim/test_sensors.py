@@ -6,6 +6,7 @@ import pytest
 
 from attest_mav.algebra import rotate_back
 from attest_mav.sim.earth import Earth
+from attest_mav.sim.scenarios import make_trajectory
 from attest_mav.sim.sensors import (
     ACCEL_RANGE,
     GPS_DELAY_S,
@@ -17,7 +18,6 @@ from attest_mav.sim.sensors import (
     SensorSuite,
 )
 from attest_mav.sim.settings import PERFECT, SensorErrors
-from attest_mav.sim.trajectory import make_trajectory
 
 RATE_HZ = 400
 FIELD = Earth().field_ned()

@@ -7,7 +7,10 @@ import pytest
 
 from attest_mav.algebra import angle_of, q_conj, q_exp, q_mul, q_to_matrix, scale, tilt_between
 from attest_mav.errors import UsageError
-from attest_mav.sim.trajectory import SCENARIOS, STILL_S, CoordinatedTurns, Square, make_trajectory
+from attest_mav.sim.copters import Square
+from attest_mav.sim.plane import CoordinatedTurns
+from attest_mav.sim.scenarios import SCENARIOS, make_trajectory
+from attest_mav.sim.trajectory import STILL_S
 from attest_mav.types import G_MPS2
 
 LEVEL = (1.0, 0.0, 0.0, 0.0)
