@@ -97,7 +97,7 @@ class FakeAutopilot:
     # --- the outside -------------------------------------------------------------------------------------------
 
     def handle(self, data: bytes, now_ns: int) -> None:
-        """Take bytes from the link; they are acted upon at the first loop tick after ``now_ns``, which never goes back."""
+        """Take bytes from the link; they are acted upon at the next loop tick. ``now_ns`` must never go back."""
         self.inbox.extend(self.framer.feed(data, now_ns))
 
     def frames_until(self, now_ns: int) -> list[bytes]:
