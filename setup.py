@@ -9,7 +9,7 @@ from pathlib import Path
 
 from setuptools import setup
 
-CORE = ["types.py", "algebra.py", "matrices.py", "filters", "estimation", "mavlink"]
+CORE = ["types.py", "algebra.py", "matrices.py", "filters", "estimation", "mavlink", "evaluation/replay"]
 
 
 def core_extensions():

@@ -1,7 +1,7 @@
 """``attest-mav``: the command group. Each command lives in a module of its own and is imported when it is used."""
 
 import sys
-from importlib import import_module, metadata
+from importlib import import_module
 from typing import Final
 
 import click
@@ -49,6 +49,8 @@ def build_kind() -> str:
 
 def version_text() -> str:
     """Version and build kind, as ``--version`` prints them."""
+    from importlib import metadata  # noqa: PLC0415  (40 ms that no other command needs)
+
     return f"attest-mav {metadata.version('attest-mav')} ({build_kind()})"
 
 
