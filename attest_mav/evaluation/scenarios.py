@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 
 from attest_mav.errors import UsageError
-from attest_mav.evaluation import paper1
+from attest_mav.evaluation import paper1, paper2, paper3
 from attest_mav.evaluation.harness import Scenario
 
 
 def all_scenarios() -> tuple[Scenario, ...]:
     """Every scenario, in the order in which they are shown."""
-    return paper1.SCENARIOS
+    return (*paper1.SCENARIOS, *paper2.SCENARIOS, *paper3.SCENARIOS)
 
 
 def select(names: Sequence[str]) -> list[Scenario]:

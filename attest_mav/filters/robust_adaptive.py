@@ -145,7 +145,7 @@ class RobustAdaptive(AttitudeFilter):
         alpha = max(alpha, min(1.0, largest_variance4(p) / MAX_VARIANCE))
         p = scaled4(p, 1.0 / alpha)
 
-        dq, p = self._correct(p, rows, z, inflation)
+        dq, p = self.correction(p, rows, z, inflation)
         q = q_unit(add4(q, dq)) if no_negative_variance4(p) else (nan, nan, nan, nan)
         return RobustAdaptiveState(
             q,
@@ -239,8 +239,8 @@ class RobustAdaptive(AttitudeFilter):
         )
         return expected / seen if seen > expected else 1.0
 
-    def _correct(self, p: Mat4, rows: Mat4, z: Quat, inflation: Quat) -> tuple[Quat, Mat4]:
-        """The correction of the quaternion and the covariance after the rows that are in use, one after the other.
+    def correction(self, p: Mat4, rows: Mat4, z: Quat, inflation: Quat) -> tuple[Quat, Mat4]:
+        """The correction of the quaternion, and the covariance after the rows in use, taken one after the other.
 
         With independent noises this equals (14) with all rows at once.
         """
