@@ -66,7 +66,8 @@ class GradientDescent(AttitudeFilter):
     (2 beta must exceed it with margin). Too large: sensor noise and every acceleration come through.
     full_fusion: the complete form (26)-(30). It slows gyro and correction alike when the vehicle turns slowly; it is
     here to study the paper, not to fly. alpha: its step ratio, > 1; an infinite one gives (31).
-    exponential: integrate the gyro exactly instead of by Euler's rule (9).
+    exponential: turn exactly by the gyro, then compare with the readings. False is as printed: Euler's rule (9), and
+    the attitude before the turn compared with the readings after it, which leads the truth by one interval's turn.
     field: the reference field; None takes it from the estimate, so that the field cannot tilt the attitude.
     min_accel_g, max_accel_g: the accelerometer is used while its length is between them, in g. Without it the field is
     not used either: alone it would tilt the attitude.
@@ -93,27 +94,31 @@ class GradientDescent(AttitudeFilter):
     def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: Aids) -> GradientDescentState:
         """One step of (31), or of (26)-(30) with ``full_fusion``. Without a usable gyro the attitude is held."""
         before = cast("GradientDescentState", state)
-        q = before.q_nb
+        q, bias = before.q_nb, before.gyro_bias
         none: Vec3 = (0.0, 0.0, 0.0)
-        gyro = sub(sample.gyro, before.gyro_bias)
+        gyro = sub(sample.gyro, bias)
         if not dot(gyro, gyro) < MAX_RATE_SQ:
-            return GradientDescentState(q, before.gyro_bias, False, False, none, none)
+            return GradientDescentState(q, bias, False, False, none, none)
+        share = self._fusion_share(gyro) if self.full_fusion else 1.0
+        turned = self._turn(q, gyro, share * dt_s)
         accel_norm = norm(sample.accel)
         if sample.saturated or not self.min_accel_g * G_MPS2 < accel_norm < self.max_accel_g * G_MPS2:
-            q = self._fuse(q, gyro, (0.0, 0.0, 0.0, 0.0), dt_s)
-            return GradientDescentState(q, before.gyro_bias, False, False, none, none)
+            return GradientDescentState(q_unit(turned), bias, False, False, none, none)
+        if self.exponential:
+            q = turned
         down = down_in_body(q)
         f_g = sub(down, scale(sample.accel, -1.0 / accel_norm))  # (18)
+        distance = share * self.beta * min(dt_s, MAX_CORRECTION_DT_S)
         mag = none if sample.mag is None else sample.mag
         mag_norm = norm(mag)
         if not 0.0 < mag_norm < MAX_FIELD:
-            q = self._fuse(q, gyro, gravity_gradient(q, f_g), dt_s)
-            return GradientDescentState(q, before.gyro_bias, True, False, f_g, none)
+            q = descended(turned, gravity_gradient(q, f_g), distance)
+            return GradientDescentState(q, bias, True, False, f_g, none)
         direction = scale(mag, 1.0 / mag_norm)
         b_x, b_z = self._reference_field(down, direction)
         f_b = field_misfit(q, down, direction, b_x, b_z)
-        q = self._fuse(q, gyro, full_gradient(q, f_g, f_b, b_x, b_z), dt_s)
-        return GradientDescentState(q, before.gyro_bias, True, True, f_g, f_b)
+        q = descended(turned, full_gradient(q, f_g, f_b, b_x, b_z), distance)
+        return GradientDescentState(q, bias, True, True, f_g, f_b)
 
     def _reference_field(self, down: Vec3, direction: Vec3) -> tuple[float, float]:
         """(b_x, b_z) of the reference field: fixed, or eq. (20), the measured field levelled by the estimate.
@@ -124,15 +129,6 @@ class GradientDescent(AttitudeFilter):
             return (self.field.b_x, self.field.b_z)
         b_z = dot(down, direction)
         return (sqrt(max(0.0, 1.0 - b_z * b_z)), b_z)
-
-    def _fuse(self, q: Quat, gyro: Vec3, gradient: Quat, dt_s: float) -> Quat:
-        """Turn by the gyro over dt_s and go down the gradient at the rate beta: (31), or (26) with ``full_fusion``."""
-        share = self._fusion_share(gyro) if self.full_fusion else 1.0
-        slope = q_norm(gradient)
-        k = share * self.beta * min(dt_s, MAX_CORRECTION_DT_S) / slope if slope >= MIN_GRADIENT else 0.0
-        t1, t2, t3, t4 = self._turn(q, gyro, share * dt_s)
-        g1, g2, g3, g4 = gradient
-        return q_unit((t1 - k * g1, t2 - k * g2, t3 - k * g3, t4 - k * g4))
 
     def _turn(self, q: Quat, gyro: Vec3, dt_s: float) -> Quat:
         """Turn by a constant rate, exactly or by Euler's rule (9).
@@ -146,6 +142,13 @@ class GradientDescent(AttitudeFilter):
         """1 - gamma of (30). Once (28) and (29) are written out, (26) is (31) with both its terms times this."""
         step_rate = self.alpha * 0.5 * norm(gyro)
         return 1.0 - self.beta / (step_rate + self.beta) if step_rate + self.beta > 0.0 else 1.0
+
+
+def descended(q: Quat, gradient: Quat, distance: float) -> Quat:
+    """q moved so far down the gradient, (12), and normalised; without a gradient there is no way to go."""
+    slope = q_norm(gradient)
+    k = distance / slope if slope >= MIN_GRADIENT else 0.0
+    return q_unit((q[0] - k * gradient[0], q[1] - k * gradient[1], q[2] - k * gradient[2], q[3] - k * gradient[3]))
 
 
 def gravity_gradient(q: Quat, f_g: Vec3) -> Quat:
