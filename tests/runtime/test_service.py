@@ -1,0 +1,237 @@
+"""Disturbance, limits, virtual time, real code: each test is a flight."""
+
+import math
+
+import pytest
+
+from attest_mav.config import parse_config
+from attest_mav.errors import ConfigError
+from attest_mav.runtime.service import Service
+from attest_mav.runtime.status import StatusLine
+from attest_mav.sim.settings import PERFECT, Faults, SimSettings
+
+SECOND = 1_000_000_000
+BOOT, CALIBRATING, ACTIVE, CRITICAL, POWEROFF = 1, 2, 4, 5, 7
+
+
+def sim(scenario="still", **settings):
+    return SimSettings(scenario=scenario, fast_rate_hz=50.0, **settings)
+
+
+def test_inertial_messages_in_attitude_out(flight):
+    f = flight()
+    f.run_until(12.0)
+    f.stop()
+    assert len(f.of_type("ATTITUDE_QUATERNION", 5.0, 10.0)) == pytest.approx(100, abs=2)
+    tilt, heading = f.errors_deg(5.0)
+    assert tilt < 1.0
+    assert heading < 2.5
+    assert f.states() in ([BOOT, ACTIVE, POWEROFF], [BOOT, CALIBRATING, ACTIVE, POWEROFF])
+
+
+def test_the_first_attitude_comes_soon(flight):
+    """The vehicle's first heartbeat is at zero."""
+    f = flight()
+    f.run_until(3.0)
+    first_s = next(t_s for t_s, one in f.heard if one.get_type() == "ATTITUDE_QUATERNION")
+    assert first_s < 0.7, "half a second of alignment, and the first checks of the units"
+
+
+def test_what_is_sent_is_the_newest_sample_at_its_own_time(flight):
+    f = flight("[output]\nrate_hz = 50")
+    f.run_until(6.0)
+    delays_ms = [
+        t_s * 1000 - one.time_boot_ms for t_s, one in f.heard if one.get_type() == "ATTITUDE_QUATERNION" and t_s > 2.0
+    ]
+    assert max(delays_ms) <= 4.0
+    assert min(delays_ms) > -0.001
+
+
+def test_quaternions_are_unit_and_sign_continuous_through_turns(flight):
+    f = flight("[output]\nrate_hz = 50", sim(scenario="tumbling"))
+    f.run_until(20.0)
+    before = None
+    for message in f.of_type("ATTITUDE_QUATERNION"):
+        q = (message.q1, message.q2, message.q3, message.q4)
+        assert math.hypot(*q) == pytest.approx(1.0, abs=1e-5)
+        if before is not None:
+            assert sum(a * b for a, b in zip(q, before, strict=True)) > 0.5
+        before = q
+    assert before is not None
+
+
+@pytest.mark.parametrize("name", ["gradient-descent", "robust-adaptive", "leveling"])
+def test_every_filter_flies(flight, name):
+    f = flight(f"[filter]\nname = '{name}'", sim("hover"))
+    f.run_until(20.0)
+    tilt, heading = f.errors_deg(5.0)
+    assert len(f.of_type("ATTITUDE_QUATERNION", 15.0)) == pytest.approx(100, abs=2)
+    # In a gust a copter leans and accelerates at once: a filter that takes the accelerometer for gravity sees it level.
+    assert tilt < (8.0 if name == "gradient-descent" else 2.5)
+    assert heading < 5.0
+
+
+@pytest.mark.parametrize(("personality", "message"), [("ardupilot", "RAW_IMU"), ("px4", "SCALED_IMU")])
+def test_the_autopilot_decides_what_is_asked_for(flight, personality, message):
+    f = flight("", sim(personality=personality))
+    f.run_until(5.0)
+    assert f.service.pipeline.primary == message
+    stream = f.service.companion.data.imu
+    assert (stream.name, stream.answer) == (message, "accepted")
+    assert stream.achieved_hz == pytest.approx(50.0, abs=1.0)
+
+
+def test_a_message_that_is_denied_gives_way_to_one_that_is_not(flight):
+    f = flight("[streams]\nimu_messages = ['HIGHRES_IMU', 'RAW_IMU']")
+    f.run_until(4.0)
+    assert f.service.pipeline.primary == "RAW_IMU"
+    assert f.of_type("ATTITUDE_QUATERNION")
+
+
+def test_without_requests_what_comes_is_used(flight):
+    f = flight("[streams]\nrequest = false\nimu_messages = ['SCALED_IMU3', 'SCALED_IMU2', 'RAW_IMU']")
+    f.run_until(10.0)
+    assert f.of_type("COMMAND_LONG") == []
+    assert f.of_type("REQUEST_DATA_STREAM") == []
+    assert f.of_type("ATTITUDE_QUATERNION", 9.0)
+
+
+def test_when_the_imu_stops_publishing_stops_and_the_state_says_so(flight, caplog):
+    caplog.set_level("INFO", "attest_mav")
+    f = flight("", sim(faults=Faults(imu_silent=(5.0, 10.0))))
+    f.run_until(5.0)
+    assert f.service.fresh(f.now_ns)
+    f.run_until(9.9)
+    assert not f.service.fresh(f.now_ns)
+    assert f.of_type("ATTITUDE_QUATERNION", 5.1) == [], "nothing stale is sent"
+    assert {beat.system_status for beat in f.of_type("HEARTBEAT", 5.6, 9.9)} == {BOOT}
+    assert "RAW_IMU: no usable sample for 0.5 s: nothing is published" in caplog.messages
+    f.run_until(14.0)
+    assert f.service.fresh(f.now_ns)
+    assert f.of_type("ATTITUDE_QUATERNION", 11.0)
+    assert f.of_type("HEARTBEAT")[-1].system_status == ACTIVE
+
+
+@pytest.mark.parametrize("stale_s", [0.1, 2.0])
+def test_the_time_to_stop_is_configured(flight, stale_s):
+    f = flight(f"[estimate]\nstale_s = {stale_s}", sim(faults=Faults(imu_silent=(5.0, 20.0))))
+    f.run_until(5.0 + stale_s - 0.05)
+    assert f.service.estimate is not None
+    f.run_until(5.0 + stale_s + 0.01)
+    assert f.service.estimate is None
+
+
+def test_readings_that_are_not_finite_are_never_published(flight):
+    f = flight(
+        "[streams]\nimu_messages = ['HIGHRES_IMU']",
+        sim(personality="px4", faults=Faults(imu_not_finite=(5.0, 7.0))),
+    )
+    f.run_until(10.0)
+    for message in f.of_type("ATTITUDE_QUATERNION"):
+        assert math.isfinite(sum((message.q1, message.q2, message.q3, message.q4)))
+        assert math.isfinite(message.rollspeed + message.pitchspeed + message.yawspeed)
+    assert f.of_type("ATTITUDE_QUATERNION", 5.6, 7.0) == []
+    assert f.of_type("ATTITUDE_QUATERNION", 9.0)
+
+
+def test_a_wrong_autopilot_is_said(flight, caplog):
+    caplog.set_level("INFO", "attest_mav")
+    fault = Faults(attitude_offset=(0.5, 0.0, 0.0), attitude_offset_from_s=6.0)
+    f = flight("[[link]]\nurl = 'sim:'\n", sim(faults=fault))
+    f.run_until(5.9)
+    assert f.of_type("HEARTBEAT")[-1].system_status == ACTIVE
+    f.run_until(9.0)
+    assert f.of_type("HEARTBEAT")[-1].system_status == CRITICAL
+    assert any(text.startswith("verdict: ATTITUDE DISAGREES (tilt)") for text in caplog.messages)
+
+
+def test_the_verdict_reaches_the_autopilots_log_where_wanted(flight):
+    config = "publish = ['named_values', 'attitude_quaternion_cov']"
+    f = flight(config)
+    f.run_until(6.0)
+    values = {one.name: one.value for one in f.of_type("NAMED_VALUE_FLOAT", 5.0)}
+    assert values["ATT_OK"] == 1.0
+    assert 0.0 <= values["ATT_TILT"] < 1.0
+    assert len(f.of_type("ATTITUDE_QUATERNION_COV", 3.0, 5.0)) == pytest.approx(40, abs=1)
+    assert f.of_type("ATTITUDE_QUATERNION") == []
+
+
+def test_a_reboot_realigns_and_asks_again(flight, caplog):
+    caplog.set_level("INFO", "attest_mav")
+    f = flight("", sim(faults=Faults(reboot_at_s=6.0)))
+    f.run_until(5.9)
+    asked = len(f.of_type("COMMAND_LONG"))
+    f.run_until(14.0)
+    assert len(f.of_type("COMMAND_LONG")) >= 2 * asked
+    assert any("went back" in text for text in caplog.messages)
+    times = [one.time_boot_ms for one in f.of_type("ATTITUDE_QUATERNION", 9.0)]
+    assert times
+    assert max(times) < 9000, "the new time base"
+    assert f.errors_deg(11.0)[0] < 1.0
+
+
+def test_headings_are_true_once_the_position_is_known(flight):
+    f = flight("", sim(errors=PERFECT, first_fix_s=4.0))
+    f.run_until(12.0)
+    assert f.errors_deg(9.0)[1] < 1.0
+    config = flight("[estimate]\ndeclination_deg = 0", sim(errors=PERFECT))
+    config.run_until(12.0)
+    assert config.errors_deg(9.0)[1] == pytest.approx(12.69, abs=1.0), "as configured, not as looked up"
+
+
+@pytest.mark.parametrize("chunk", [1, 7, 64])
+def test_how_the_bytes_are_cut_changes_nothing(flight, chunk):
+    whole, cut = flight(), flight(chunk=chunk)
+    whole.run_until(4.0)
+    cut.run_until(4.0)
+    assert whole.raw == cut.raw
+
+
+def test_a_broken_link_is_begun_anew(flight):
+    f = flight()
+    f.run_until(4.0)
+    f.service.receive(0, b"\xfd\x20\x00", f.now_ns)
+    f.service.link_restarted(0)
+    asked = len(f.of_type("COMMAND_LONG"))
+    f.run_until(6.0)
+    assert f.of_type("ATTITUDE_QUATERNION", 5.0), "data goes on"
+    assert len(f.of_type("COMMAND_LONG")) > asked, "streams are asked for again after the next heartbeat"
+
+
+def test_garbage_is_survived(flight):
+    f = flight()
+    for second in range(1, 8):
+        f.run_until(float(second))
+        f.service.receive(0, bytes((17 * second + i * i) % 256 for i in range(3000)), f.now_ns)
+    f.run_until(9.0)
+    assert f.of_type("ATTITUDE_QUATERNION", 8.0)
+
+
+def test_two_vehicles_end_it_with_a_configuration_error(dialect):
+    from attest_mav.sim.autopilot import FakeAutopilot  # noqa: PLC0415
+
+    config = parse_config("[[link]]\nurl = 'udpin::0'", "test")
+    service = Service(config, ["udpin::0"], dialect, lambda *_: (0.0, ""), 0)
+    vehicles = [FakeAutopilot(SimSettings(system=system), 1, dialect) for system in (1, 2)]
+    first, second = [b"".join(vehicle.frames_until(SECOND)) for vehicle in vehicles]
+    service.receive(0, first, SECOND)
+    with pytest.raises(ConfigError, match="systems 1 and 2"):
+        service.receive(0, second, SECOND)
+
+
+def test_the_status_line_says_it_all(flight):
+    f = flight()
+    status = StatusLine(0)
+    assert status.write(f.service, 0) == "waiting | no vehicle yet | sent 0.0 Hz"
+    f.run_until(6.0)
+    status.write(f.service, f.now_ns)
+    f.run_until(8.0)
+    line = status.write(f.service, f.now_ns)
+    state, imu, attitude, verdict, sent = line.split(" | ")
+    assert state == "active"
+    assert imu.startswith("RAW_IMU 50.")
+    assert imu.endswith(" of 50 Hz")
+    assert attitude.startswith("roll ")
+    assert attitude.endswith("(true)")
+    assert verdict.startswith("ATTITUDE agrees tilt 0.")
+    assert sent == "sent 20.0 Hz"
