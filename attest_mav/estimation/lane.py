@@ -106,11 +106,13 @@ class Lane:
         if kind == StepKind.LATE:
             self.late += 1
             return False
-        if kind == StepKind.GAP or kind == StepKind.RESTART:  # noqa: PLR1714  (a tuple would be built each sample)
+        if kind == StepKind.GAP:
             self.gaps += 1
             self._tell(events, LaneEventKind.GAP, sample, f"no samples for {step.dt_s:.2f} s")
-        if kind == StepKind.RESTART:
-            self._restart(sample, events, LaneEventKind.RESTARTED, "aligning again after the gap")
+        elif kind == StepKind.RESTART:
+            self.gaps += 1
+            text = f"no samples for {step.dt_s:.2f} s: aligning again"
+            self._restart(sample, events, LaneEventKind.RESTARTED, text)
         elif kind == StepKind.REBOOT:
             self._restart(sample, events, LaneEventKind.REBOOTED, "the sensor clock went back: aligning again")
             for track in self._tracks:

@@ -93,7 +93,7 @@ def test_motion_inside_a_gap_is_carried_by_the_exact_turn(pipeline, imu):
 def test_a_long_gap_starts_again(pipeline, imu):
     run(pipeline, still(imu, 0.0, 1.0))
     events = run(pipeline, still(imu, 4.0, 5.0, yaw=2.0))
-    assert kinds(events) == [LaneEventKind.GAP, LaneEventKind.RESTARTED, LaneEventKind.ALIGNED]
+    assert kinds(events) == [LaneEventKind.RESTARTED, LaneEventKind.ALIGNED]
     assert abs(heading_between(estimates(events)[0].q_nb, q_from_euler(0.0, 0.0, 2.0))) < 1e-6
 
 
