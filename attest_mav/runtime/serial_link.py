@@ -99,8 +99,13 @@ class SerialLink(Link):
         pyserial's lock holds off programs that ask for one, TIOCEXCL the rest (but not the superuser).
         """
         port = serial.Serial(self.device, self.baud, timeout=0, write_timeout=0, exclusive=True)
-        fcntl.ioctl(port.fileno(), termios.TIOCEXCL)
-        os.set_blocking(port.fileno(), False)
+        try:
+            fcntl.ioctl(port.fileno(), termios.TIOCEXCL)
+            _tell_silence_from_end(port.fileno())
+            os.set_blocking(port.fileno(), False)
+        except (OSError, termios.error) as error:
+            port.close()
+            raise OSError(*error.args) from None
         self.port = port
         self.deadline_ns = None
         self.epoch += 1
@@ -120,6 +125,14 @@ class SerialLink(Link):
 
     def _retry(self, reason: str, now_ns: int) -> None:
         self.deadline_ns = self.backoff.next(self.url, reason, now_ns)
+
+
+def _tell_silence_from_end(fd: int) -> None:
+    """Let an empty read mean that the device is gone: pyserial's setting (VMIN 0) makes silence look the same."""
+    attributes = termios.tcgetattr(fd)
+    attributes[6][termios.VMIN] = 1
+    attributes[6][termios.VTIME] = 0
+    termios.tcsetattr(fd, termios.TCSANOW, attributes)
 
 
 def _advice(error: OSError) -> str:

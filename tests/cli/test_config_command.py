@@ -1,0 +1,38 @@
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from attest_mav.cli.config import command
+from attest_mav.errors import ConfigError
+
+CONFIGS = Path(__file__).parent.parent.parent / "configs"
+
+
+def run(*arguments):
+    return CliRunner().invoke(command, arguments, catch_exceptions=False)
+
+
+def test_check_says_that_a_file_is_valid_and_what_it_makes():
+    path = str(CONFIGS / "attest-mav.toml")
+    done = run("check", path)
+    assert done.exit_code == 0
+    assert done.output == f"{path}: valid; links: udpin:127.0.0.1:14550; filter: gradient-descent\n"
+
+
+@pytest.mark.parametrize("name", ["check", "show"])
+def test_a_wrong_file_is_a_configuration_error(tmp_path, name):
+    path = tmp_path / "wrong.toml"
+    path.write_text("[outptu]\n")
+    with pytest.raises(ConfigError, match=r"wrong\.toml: unknown key outptu; did you mean output\?"):
+        run(name, str(path))
+
+
+@pytest.mark.parametrize("source", [None, *sorted(CONFIGS.glob("*.toml"))], ids=str)
+def test_what_show_prints_passes_check_and_shows_the_same(tmp_path, source):
+    shown = run("show", *([] if source is None else [str(source)]))
+    assert shown.exit_code == 0
+    path = tmp_path / "shown.toml"
+    path.write_text(shown.output)
+    assert run("check", str(path)).exit_code == 0
+    assert run("show", str(path)).output == shown.output

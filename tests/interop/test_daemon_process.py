@@ -1,0 +1,195 @@
+"""The daemon as a process, with the fake autopilot as another and systemd played by a socket."""
+
+import signal
+import socket
+import subprocess
+import sys
+
+import pytest
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
+PATIENCE_S = 30.0
+LISTENING = r"listening on (?:udpin|tcpin):127\.0\.0\.1:(\d+)"
+
+
+@pytest.fixture
+def config(tmp_path):
+    """A configuration file with one listening link and a quick status."""
+
+    def make(text=""):
+        path = tmp_path / "attest-mav.toml"
+        path.write_text(f"[[link]]\nurl = 'udpin:127.0.0.1:0'\n[log]\nstatus_s = 0.3\n{text}")
+        return str(path)
+
+    return make
+
+
+class Peer:
+    """Someone else on the daemon's UDP link, who hears what it sends."""
+
+    def __init__(self, port):
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.connect(("127.0.0.1", int(port)))
+        self.socket.settimeout(PATIENCE_S)
+        self.socket.send(b"\0")
+        self._parser = mavlink.MAVLink(None)
+
+    def wait_for(self, name, accept=lambda _: True):
+        while True:
+            for message in self._parser.parse_buffer(self.socket.recv(2000)) or []:
+                if message.get_type() == name and accept(message):
+                    return message
+
+
+class Systemd:
+    """The receiving end of NOTIFY_SOCKET."""
+
+    def __init__(self, path):
+        self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        self.socket.bind(path)
+        self.socket.settimeout(PATIENCE_S)
+
+    def wait_for(self, start):
+        """All messages up to the one that starts so."""
+        messages = []
+        while not messages or not messages[-1].startswith(start):
+            messages.append(self.socket.recv(4096).decode())
+        return messages
+
+    def forget(self):
+        """Drop what has arrived so far."""
+        self.socket.setblocking(False)
+        try:
+            while True:
+                self.socket.recv(4096)
+        except BlockingIOError:
+            self.socket.settimeout(PATIENCE_S)
+
+
+@pytest.fixture
+def systemd(tmp_path):
+    server = Systemd(str(tmp_path / "notify"))
+    yield server
+    server.socket.close()
+
+
+def test_systemd_sees_ready_watchdog_its_end_with_the_imus_and_stopping(start, config, systemd):
+    watchdog = {"NOTIFY_SOCKET": systemd.socket.getsockname(), "WATCHDOG_USEC": "200000"}
+    daemon = start("run", "--config", config(), **watchdog)
+    port = daemon.wait_for(LISTENING)[1]
+    before = systemd.wait_for("STATUS=waiting | no vehicle yet")
+    assert "READY=1" not in before
+    assert "WATCHDOG=1" not in before
+
+    sim = start("sim", "--link", f"udpout:127.0.0.1:{port}", "--scenario", "still")
+    assert "WATCHDOG=1" not in systemd.wait_for("READY=1")
+    systemd.wait_for("WATCHDOG=1")
+    systemd.wait_for("STATUS=active | RAW_IMU")
+    systemd.wait_for("WATCHDOG=1")
+
+    assert sim.end() == 0
+    daemon.wait_for("no usable sample for 0.5 s: nothing is published")
+    systemd.forget()
+    silent = [message for _ in range(3) for message in systemd.wait_for("STATUS=waiting")]
+    assert "WATCHDOG=1" not in silent, "the loop runs, but it has nothing to filter"
+
+    start("sim", "--link", f"udpout:127.0.0.1:{port}", "--scenario", "still")
+    again = systemd.wait_for("WATCHDOG=1")
+    assert "READY=1" not in again, "said once"
+
+    peer = Peer(port)
+    peer.wait_for("HEARTBEAT", lambda m: m.get_srcComponent() == 193)
+    daemon.process.send_signal(signal.SIGTERM)
+    systemd.wait_for("STOPPING=1")
+    peer.wait_for("HEARTBEAT", lambda m: m.get_srcComponent() == 193 and m.system_status == 7)
+    assert daemon.exit_code() == 0
+    peer.socket.close()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it_with_0_even_before_there_is_a_vehicle(start, number):
+    daemon = start("run", "--link", "udpin:127.0.0.1:0")
+    daemon.wait_for(LISTENING)
+    assert daemon.end(number) == 0
+
+
+def test_the_built_in_vehicle_needs_no_other_process(start):
+    daemon = start("run", "--link", "sim:still", "--link", "udpin:127.0.0.1:0")
+    peer = Peer(daemon.wait_for(LISTENING)[1])
+    message = peer.wait_for("ATTITUDE_QUATERNION")
+    assert (message.get_srcSystem(), message.get_srcComponent()) == (1, 193)
+    daemon.wait_for("ready")
+    assert daemon.end() == 0
+    peer.socket.close()
+
+
+def test_a_server_that_goes_away_is_found_again(start):
+    server = start("sim", "--link", "tcpin:127.0.0.1:0", "--scenario", "still")
+    port = server.wait_for(r"on tcpin:127\.0\.0\.1:(\d+)")[1]
+    daemon = start("run", "--link", f"tcp:127.0.0.1:{port}")
+    daemon.wait_for("ready")
+    assert server.end() == 0
+    daemon.wait_for("trying again")
+    start("sim", "--link", f"tcpin:127.0.0.1:{port}", "--scenario", "still")
+    daemon.wait_for("connected")
+    daemon.wait_for("vehicle found again")
+    daemon.wait_for("aligned")
+    assert daemon.end() == 0
+
+
+def test_two_vehicles_are_a_configuration_error(start):
+    daemon = start("run", "--link", "udpin:127.0.0.1:0")
+    port = daemon.wait_for(LISTENING)[1]
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        for system in (1, 2):
+            vehicle = mavlink.MAVLink(None, srcSystem=system, srcComponent=1)
+            beat = mavlink.MAVLink_heartbeat_message(2, 3, 0, 0, 4, 3)
+            sender.sendto(beat.pack(vehicle), ("127.0.0.1", int(port)))
+        assert daemon.exit_code() == 78
+    assert daemon.lines[-1].startswith("attest-mav: error: two vehicles on the links, systems 1 and 2")
+
+
+def test_a_busy_port_is_one_line_and_69(start):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.bind(("127.0.0.1", 0))
+        daemon = start("run", "--link", f"udpin:127.0.0.1:{other.getsockname()[1]}")
+        assert daemon.exit_code() == 69
+    assert len(daemon.lines) == 1
+    assert daemon.lines[0].startswith("attest-mav: error: cannot listen on udpin:127.0.0.1:")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        ((), 2, "no link: name one with --link URL"),
+        (("--link", "foo"), 2, "link 'foo': expected serial:"),
+        (("--link", "sim:loop-the-loop"), 2, "loop-the-loop"),
+        (("--config", "/nonexistent/a.toml"), 78, "cannot read the configuration /nonexistent/a.toml"),
+        (("--link", "udpout:no.such.host.invalid:1"), 69, "is not known"),
+    ],
+)
+def test_what_cannot_be_meant_is_one_line(start, arguments, code, said):
+    daemon = start("run", *arguments)
+    assert daemon.exit_code() == code
+    assert len(daemon.lines) == 1
+    assert daemon.lines[0].startswith("attest-mav: error: ")
+    assert said in daemon.lines[0]
+
+
+def test_a_misspelt_key_is_one_line_and_78(start, config):
+    daemon = start("run", "--config", config("[output]\nratehz = 3"))
+    assert daemon.exit_code() == 78
+    assert len(daemon.lines) == 1
+    assert daemon.lines[0].endswith("unknown key output.ratehz; did you mean rate_hz?")
+
+
+def test_run_imports_neither_numpy_nor_rich_nor_prometheus():
+    """Each would cost memory and start-up time that a daemon has no use for."""
+    program = (
+        "import sys, attest_mav.cli.run, attest_mav.runtime.sim_link, attest_mav.runtime.serial_link;"
+        "from attest_mav.mavlink.dialect import load_dialect; load_dialect();"
+        "from attest_mav.cli.run import find_declination; find_declination(47.0, 8.0, 400.0);"
+        "print([name for name in ('numpy', 'rich', 'prometheus_client', 'pymavlink.mavutil') if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-P", "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
