@@ -69,7 +69,7 @@ def test_it_keeps_real_time(start, listener):
     gather(sock, lambda m: len(m.get("RAW_IMU", [])) == 5)
     began = time.monotonic()
     gather(sock, lambda m: len(m.get("RAW_IMU", [])) == 100)
-    assert 1.7 < time.monotonic() - began < 4.0  # not faster; how much slower is the machine's affair
+    assert time.monotonic() - began > 1.7  # 95 periods of 20 ms, and not faster; slower is the machine's affair
 
 
 def test_speed_makes_time_go_faster(start, listener):
@@ -79,7 +79,7 @@ def test_speed_makes_time_go_faster(start, listener):
     messages = gather(sock, lambda m: len(m.get("HEARTBEAT", [])) == 21)
     assert process.wait(TIMEOUT_S) == 0
     assert messages["RAW_IMU"][-1].time_usec == pytest.approx(20_000_000, abs=40_000)
-    assert time.monotonic() - began < 15.0
+    assert time.monotonic() - began < 20.0  # what it would take at speed 1
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
