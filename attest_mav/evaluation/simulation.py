@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from attest_mav.evaluation.motion import Array, Motion, to_body
+from attest_mav.evaluation.readings import samples_of
 from attest_mav.filters.base import Aids, AttitudeFilter, Start
 from attest_mav.types import ImuSample, North, Quat, Vec3
 
@@ -35,17 +36,7 @@ def imu_samples(motion: Motion, field_ned: Vec3, errors: SensorErrors, rng: np.r
     gyro = motion.rate + bias + errors.gyro_noise * rng.standard_normal(shape)
     accel = motion.force + errors.accel_noise * rng.standard_normal(shape)
     mag = to_body(motion.q_nb, np.array(field_ned)) + errors.mag_noise * rng.standard_normal(shape)
-    step_ns = round(motion.dt_s * 1e9)
-    rows = zip(gyro.tolist(), accel.tolist(), mag.tolist(), strict=True)
-    return [_sample((k + 1) * step_ns, *row) for k, row in enumerate(rows)]
-
-
-def _sample(t_ns: int, gyro: list[float], accel: list[float], mag: list[float]) -> ImuSample:
-    return ImuSample("SIMULATED", 1, 1, t_ns, t_ns, _vector(gyro), _vector(accel), _vector(mag))
-
-
-def _vector(row: list[float]) -> Vec3:
-    return (row[0], row[1], row[2])
+    return samples_of(gyro, accel, mag, motion.dt_s)
 
 
 def run_filter(chosen: AttitudeFilter, start: Quat, samples: Sequence[ImuSample], dt_s: float) -> Array:
