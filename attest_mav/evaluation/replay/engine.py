@@ -170,6 +170,8 @@ def _notes(survey: Survey, plan: Plan, decoder: Decoder, flight: Flight) -> tupl
     if others:
         named = ", ".join(f"{system}/{component}" for system, component in others)
         notes.append(f"the log has other autopilots too ({named}); this is {plan.sender[0]}/{plan.sender[1]}")
+    if plan.reference is not None and not any(run.comparison.errors.samples for run in flight.runs):
+        notes.append(f"nothing was compared: no {plan.reference} at the times of the samples that count")
     tilt = None if flight.autopilot is None else flight.autopilot.errors.tilt()
     if tilt is not None and tilt.max == 0.0:
         notes.append(f"{plan.autopilot} repeats {plan.reference}: this autopilot flew on the simulator's truth")

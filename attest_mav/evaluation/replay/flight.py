@@ -79,6 +79,8 @@ class Flight:
         if isinstance(sample, ImuSample):
             if sample.source == self._plan.imu:
                 self._take_imu(sample, offset)
+            if sample.source == self._plan.timing:
+                self._take_stamped(self._stamp.timed(sample.t_ns, sample.rx_ns))
         elif isinstance(sample, AttitudeSample):
             self._take_attitude(sample)
         else:

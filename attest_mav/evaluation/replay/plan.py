@@ -46,12 +46,13 @@ def make_plan(survey: Survey, imu: str | None, reference: str | None) -> Plan:
         raise UnreadableDataError(f"no {reference} in it to compare with{_instead(survey, sender, NAMED_REFERENCES)}")
     chosen = reference or _first_present(survey, sender, REFERENCE_MESSAGES)
     autopilot = _first_present(survey, sender, AUTOPILOT_MESSAGES)
+    inertial = imu or _choose_imu(survey, sender)
     return Plan(
         sender,
-        imu or _choose_imu(survey, sender),
+        inertial,
         chosen,
         autopilot if chosen not in AUTOPILOT_MESSAGES else None,
-        autopilot if chosen in UNTIMED else None,
+        (autopilot or inertial) if chosen in UNTIMED else None,
     )
 
 

@@ -231,6 +231,23 @@ def test_garbage_is_skipped_and_counted(log):
     assert result["imu"]["samples"] == 202
 
 
+def test_truth_without_attitude_takes_its_times_from_the_inertial_messages(log):
+    log.heartbeat()
+    for t_ms in range(1000, 4000, 20):
+        log.imu(t_ms)
+        log.truth(t_ms, roll_deg=2.0)
+    result = report(log)
+    assert result["filters"][0]["samples"] > 100
+    assert result["filters"][0]["tilt_deg"]["rms"] == pytest.approx(2.0, abs=1e-3)
+
+
+def test_when_nothing_could_be_compared_a_note_says_so(log):
+    log.heartbeat()
+    log.still_flight(3.0)
+    assert not any("nothing was compared" in note for note in report(log)["notes"])
+    assert any("nothing was compared" in note for note in report(log, window=Window(skip_s=60.0))["notes"])
+
+
 def test_progress_grows_to_nearly_one(log):
     log.heartbeat()
     log.still_flight(100.0)

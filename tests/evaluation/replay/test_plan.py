@@ -42,6 +42,7 @@ def test_the_inertial_message_is_the_best_of_the_frequent_ones(log, autopilot, c
         (("SIM_STATE", "SIMSTATE", "ATTITUDE_QUATERNION", "ATTITUDE"), "SIM_STATE", "ATTITUDE", "ATTITUDE"),
         (("SIMSTATE", "ATTITUDE_QUATERNION", "ATTITUDE"), "SIMSTATE", "ATTITUDE", "ATTITUDE"),
         (("SIMSTATE", "ATTITUDE_QUATERNION"), "SIMSTATE", "ATTITUDE_QUATERNION", "ATTITUDE_QUATERNION"),
+        (("SIM_STATE",), "SIM_STATE", None, "RAW_IMU"),
         (("ATTITUDE_QUATERNION", "ATTITUDE"), "ATTITUDE_QUATERNION", None, None),
         (("ATTITUDE",), "ATTITUDE", None, None),
         (("AHRS2",), None, None, None),  # another filter of the autopilot: only when it is asked for
