@@ -1,0 +1,77 @@
+"""A real MAVSDK client takes our ATTITUDE_QUATERNION: vehicle, daemon and client are three programs on UDP.
+
+MAVSDK's telemetry takes the message from any component of the vehicle's system, so the client hangs on a link of the
+daemon's own, on which nobody else speaks, and the raw messages must all come from our component.
+"""
+
+import json
+import queue
+from math import degrees
+
+import pytest
+
+from attest_mav.algebra import tilt_between
+from attest_mav.sim.autopilot import FakeAutopilot
+from attest_mav.sim.settings import SimSettings
+
+mavsdk = pytest.importorskip("mavsdk", reason="mavsdk has no wheel for this machine")
+
+from mavsdk.plugins.mavlink_direct import MavlinkDirect  # noqa: E402  (after the check)
+from mavsdk.plugins.telemetry import Telemetry  # noqa: E402
+
+PATIENCE_S = 30.0
+LISTENING = r"listening on udpin:127\.0\.0\.1:(\d+)"
+SEED = 3
+
+
+@pytest.fixture
+def ground_station():
+    """A MAVSDK ground station; it is taken down in the end, with its threads."""
+    configuration = mavsdk.Configuration.create_with_component_type(mavsdk.ComponentType.GROUND_STATION)
+    client = mavsdk.Mavsdk(configuration)
+    yield client
+    client.destroy()
+    configuration.destroy()
+
+
+def wait_for_system(client):
+    found = queue.Queue()
+    client.subscribe_on_new_system(lambda _: found.put(True))
+    systems = client.get_systems()
+    if not systems:
+        found.get(timeout=PATIENCE_S)
+        systems = client.get_systems()
+    return systems[0]
+
+
+def take(messages, count):
+    return [messages.get(timeout=PATIENCE_S) for _ in range(count)]
+
+
+def test_mavsdk_receives_our_attitude(start, ground_station):
+    daemon = start("run", "--link", "udpin:127.0.0.1:0", "--link", "udpin:127.0.0.1:0")
+    vehicle_port, client_port = daemon.wait_for(LISTENING)[1], daemon.wait_for(LISTENING)[1]
+    start("sim", "--link", f"udpout:127.0.0.1:{vehicle_port}", "--scenario", "still", "--seed", str(SEED))
+    daemon.wait_for("ready")
+
+    result = ground_station.add_any_connection(f"udpout://127.0.0.1:{client_port}")
+    assert result == mavsdk.ConnectionResult.SUCCESS
+    system = wait_for_system(ground_station)
+    attitudes, raw = queue.Queue(), queue.Queue()
+    telemetry, direct = Telemetry(system), MavlinkDirect(system)
+    telemetry.subscribe_attitude_quaternion(lambda q, _: attitudes.put(q))
+    direct.subscribe_message("ATTITUDE_QUATERNION", lambda message, _: raw.put(message))
+    got, sent = take(attitudes, 60), take(raw, 60)
+
+    assert {(message.system_id, message.component_id) for message in sent} == {(1, 193)}
+    times_ms = {json.loads(message.fields_json)["time_boot_ms"] for message in sent}
+    ours = [q for q in got if q.timestamp_us // 1000 in times_ms]
+    assert len(ours) >= 40, "what telemetry shows is what the component sent"
+    rate_hz = (len(got) - 1) * 1e6 / (got[-1].timestamp_us - got[0].timestamp_us)
+    assert rate_hz == pytest.approx(20.0, abs=1.0), "as configured"
+
+    vehicle = FakeAutopilot(SimSettings(scenario="still"), SEED)
+    for q in got:
+        truth = vehicle.truth(q.timestamp_us * 1000).q_nb
+        assert degrees(tilt_between(truth, (q.w, q.x, q.y, q.z))) < 1.5
+    assert daemon.end() == 0
