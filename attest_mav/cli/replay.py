@@ -13,9 +13,9 @@ import click
 
 from attest_mav.cli.progress import ProgressBar
 from attest_mav.errors import AttestMavError, UnreadableDataError, UsageError
+from attest_mav.evaluation.replay.engine import Outputs, Request, replay
 from attest_mav.evaluation.replay.flight import Window
 from attest_mav.evaluation.replay.plan import check_names
-from attest_mav.evaluation.replay.engine import Outputs, Request, replay
 from attest_mav.evaluation.replay.report import as_json
 from attest_mav.evaluation.replay.rows import RowWriter
 from attest_mav.filters.base import AttitudeFilter
