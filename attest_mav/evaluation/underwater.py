@@ -13,7 +13,8 @@ from attest_mav.algebra import clamp, q_from_euler, q_to_euler
 from attest_mav.evaluation.motion import Array, euler_to_quaternion, to_body
 from attest_mav.evaluation.readings import samples_of
 from attest_mav.filters.base import Aids, Start
-from attest_mav.filters.leveling import Leveling, LevelingState
+from attest_mav.filters.leveling import Leveling
+from attest_mav.filters.leveling_state import LevelingState
 from attest_mav.filters.north_vector import EARTH_RATE
 from attest_mav.types import ImuSample, North, Quat
 

@@ -10,7 +10,7 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import add, cross, dot, mat_vec, scale, sub
+from attest_mav.algebra import add, cross, dot, is_finite, mat_vec, scale, sub
 from attest_mav.matrices import (
     add_diagonal,
     axes_turn,
@@ -110,8 +110,8 @@ def tilt_variance(x: Level) -> float:
 
 
 def sound(x: Level) -> bool:
-    """True while no variance is negative or NaN."""
-    return no_negative_variance(x.p_vv) and no_negative_variance(x.p_dd)
+    """True while everything is finite and no variance is negative."""
+    return is_finite(x.velocity) and is_finite(x.down) and no_negative_variance(x.p_vv) and no_negative_variance(x.p_dd)
 
 
 def floored(x: Level) -> Level:

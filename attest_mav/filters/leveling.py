@@ -10,14 +10,13 @@ docs/filters.md has the equations as mended.
 """
 
 from dataclasses import dataclass
-from math import ceil, isinf, isnan, nan, pi, sqrt
+from math import ceil, isinf, isnan, nan, pi
 from typing import Final, cast
-
-from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import dot, down_in_body, mat_vec, norm, q_continuous, q_from_matrix, q_to_matrix, scale, sub
 from attest_mav.filters.base import MAX_CORRECTION_DT_S, Aids, AttitudeFilter, FilterState, Start
-from attest_mav.filters.level_model import Level, corrected, floored, predicted, sound, tilt_variance
+from attest_mav.filters.level_model import Level, corrected, floored, predicted, sound
+from attest_mav.filters.leveling_state import LevelingState, held
 from attest_mav.filters.north_vector import (
     NorthVector,
     direction,
@@ -29,7 +28,7 @@ from attest_mav.filters.north_vector import (
     turned_right,
 )
 from attest_mav.matrices import axes_turn, diagonal, largest_variance
-from attest_mav.types import G_MPS2, ImuSample, North, Quat, Vec3
+from attest_mav.types import G_MPS2, ImuSample, North, Vec3
 
 MAX_RATE: Final = 1e3
 """rad/s: a gyro that reports this much is not read (no sensor measures it, and its square must not overflow)."""
@@ -48,39 +47,6 @@ SATURATION_NOISE: Final = 10.0
 """The process noise of a step with a saturated sensor is this many times the usual."""
 BLIND_NOISE: Final = 1.0
 """(m/s)^2/s: the noise of the velocity while the accelerometer cannot be read."""
-
-
-@mypyc_attr(acyclic=True, free_list_len=1)  # as GradientDescentState
-class LevelingState(FilterState):
-    """State after a step, with its innovation record.
-
-    level: velocity, down vector and their covariance. north: the heading. stationary, moving: the measurement model
-    in use; neither before the first speed. waited_s: since the last constraint rows. velocity_innovation: m/s, and
-    length_innovation: what the rows of this step found; NaN for those not used.
-    """
-
-    def __init__(
-        self,
-        q_nb: Quat,
-        gyro_bias: Vec3,
-        accel_used: bool,
-        mag_used: bool,
-        level: Level,
-        north: NorthVector,
-        stationary: bool,
-        moving: bool,
-        waited_s: float,
-        velocity_innovation: Vec3,
-        length_innovation: float,
-    ) -> None:
-        super().__init__(q_nb, gyro_bias, accel_used, mag_used, sqrt(tilt_variance(level)), sqrt(north.variance))
-        self.level: Final = level
-        self.north: Final = north
-        self.stationary: Final = stationary
-        self.moving: Final = moving
-        self.waited_s: Final = waited_s
-        self.velocity_innovation: Final = velocity_innovation
-        self.length_innovation: Final = length_innovation
 
 
 @dataclass(frozen=True)
@@ -136,10 +102,10 @@ class Leveling(AttitudeFilter):
         before = cast("LevelingState", state)
         gyro = sub(sample.gyro, before.gyro_bias)
         if not norm(gyro) < MAX_RATE:
-            return _held(before)
+            return held(before)
         was_down = down_in_body(before.q_nb)
         earth = earth_rate(before.north, was_down, aids.latitude, aids.declination)
-        accel_used = norm(sample.accel) < MAX_ACCEL
+        accel_used = 0.0 < norm(sample.accel) < MAX_ACCEL
         x = self._predict(before.level, gyro, earth, dt_s, sample, accel_used)
 
         waited_s = before.waited_s + dt_s
@@ -155,7 +121,7 @@ class Leveling(AttitudeFilter):
         north = self._follow_field(before.north, levelled(turned, down), down, dt_s, sample, aids)
         q = q_continuous(q_from_matrix(level_axes(north.direction, down)), before.q_nb)
         if not sound(x):
-            q = (nan, nan, nan, nan)
+            q = (nan, nan, nan, nan)  # which asks for a new start
         return LevelingState(
             q,
             before.gyro_bias,
@@ -238,23 +204,6 @@ class Leveling(AttitudeFilter):
         gain = min(dt_s, MAX_CORRECTION_DT_S) / self.heading_time_s if before.known else 1.0
         variance = (1.0 - gain) * (1.0 - gain) * variance + gain * gain * self.r_heading
         return NorthVector(turned_right(north, down, gain * error), variance, True, True)
-
-
-def _held(before: LevelingState) -> LevelingState:
-    """The state kept as it is."""
-    return LevelingState(
-        before.q_nb,
-        before.gyro_bias,
-        False,
-        False,
-        before.level,
-        before.north,
-        before.stationary,
-        before.moving,
-        before.waited_s,
-        (nan, nan, nan),
-        nan,
-    )
 
 
 def _take_row(x: Level, axis: Vec3, measured: float, variance: float) -> tuple[Level, float]:

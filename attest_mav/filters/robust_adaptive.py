@@ -13,18 +13,16 @@ from dataclasses import dataclass
 from math import inf, isinf, isnan, nan, sqrt
 from typing import Final, cast
 
-from mypy_extensions import mypyc_attr
-
-from attest_mav.algebra import norm, q_dot, q_exp, q_mul, q_unit, scale, sub
+from attest_mav.algebra import norm, q_dot, q_exp, q_mul, q_norm, q_unit, scale, sub
 from attest_mav.filters.base import MAX_CORRECTION_DT_S, Aids, AttitudeFilter, FilterState, Start
 from attest_mav.filters.quaternion_model import (
     accel_innovation,
-    attitude_variances,
     heading_innovation,
     measurement_rows,
     predicted_covariance,
     row_variances,
 )
+from attest_mav.filters.robust_adaptive_state import RobustAdaptiveState, held, unmeasured
 from attest_mav.matrices import (
     Mat4,
     add4,
@@ -37,50 +35,21 @@ from attest_mav.matrices import (
     scaled4,
     symmetric4,
 )
-from attest_mav.types import G_MPS2, ImuSample, Quat, Vec3
+from attest_mav.types import G_MPS2, ImuSample, Quat
 
 MAX_RATE: Final = 1e3
 """rad/s: a gyro that reports this much is not read (no sensor measures it, and its square must not overflow)."""
+MAX_ACCEL: Final = 1e4
+"""m/s^2: the same for the accelerometer."""
+MIN_LENGTH: Final = 0.5
+"""A quaternion that a correction leaves shorter than this, like a covariance with a negative variance or NaN, is
+beyond mending: the attitude becomes NaN, which asks for a new start."""
 MIN_VARIANCE: Final = 1e-14
 """Floor of the quaternion's variances."""
 MAX_VARIANCE: Final = 1.0
 """No component of a unit quaternion errs by more than this: the adaptive factor inflates no further."""
 SATURATION_NOISE: Final = 10.0
 """The process noise of a step with a saturated sensor is this many times the usual."""
-
-
-@mypyc_attr(acyclic=True, free_list_len=1)  # as GradientDescentState
-class RobustAdaptiveState(FilterState):
-    """State after a step, with its innovation record.
-
-    covariance: of (w, x, y, z), symmetric. The record has four places: x, y and z of the unit specific force (body)
-    and the heading (rad). innovation: measured minus predicted, NaN where there was no reading. inflation: the factor
-    on the row's variance, infinite where the row was rejected or absent. alpha: the adaptive factor, in (0, 1].
-    disagreement: running mean of the squared standardised innovations, near 1 when the model fits.
-    rejected_s: for how long each row has been rejected, s.
-    """
-
-    def __init__(
-        self,
-        q_nb: Quat,
-        gyro_bias: Vec3,
-        accel_used: bool,
-        mag_used: bool,
-        covariance: Mat4,
-        innovation: Quat,
-        inflation: Quat,
-        alpha: float,
-        disagreement: float,
-        rejected_s: Quat,
-    ) -> None:
-        tilt, heading = attitude_variances(q_nb, covariance)
-        super().__init__(q_nb, gyro_bias, accel_used, mag_used, sqrt(tilt), sqrt(heading))
-        self.covariance: Final = covariance
-        self.innovation: Final = innovation
-        self.inflation: Final = inflation
-        self.alpha: Final = alpha
-        self.disagreement: Final = disagreement
-        self.rejected_s: Final = rejected_s
 
 
 @dataclass(frozen=True)
@@ -123,14 +92,14 @@ class RobustAdaptive(AttitudeFilter):
 
     def initial(self, start: Start) -> RobustAdaptiveState:
         """Start from the alignment."""
-        return _unmeasured(start.q_nb, start.gyro_bias, diagonal4(self.p0), 1.0, (0.0, 0.0, 0.0, 0.0))
+        return unmeasured(start.q_nb, start.gyro_bias, diagonal4(self.p0), 1.0, (0.0, 0.0, 0.0, 0.0))
 
     def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: Aids) -> RobustAdaptiveState:
         """One step of (14): predict, weigh the rows, weigh the prediction, correct. Without a usable gyro it holds."""
         before = cast("RobustAdaptiveState", state)
         gyro = sub(sample.gyro, before.gyro_bias)
         if not norm(gyro) < MAX_RATE:
-            return _held(before)
+            return held(before)
         turn = q_exp(scale(gyro, 0.5 * dt_s))
         q = q_unit(q_mul(before.q_nb, turn))
         boost = SATURATION_NOISE if sample.saturated else 1.0
@@ -140,15 +109,16 @@ class RobustAdaptive(AttitudeFilter):
         z = self._innovation(q, sample, aids)
         rows = measurement_rows(q, not self.printed)
         spread = row_variances(p, rows)
-        inflation, rejected_s = self._weigh_rows(z, spread, before.rejected_s, dt_s)
-        disagreement, alpha = self._weigh_prediction(z, spread, inflation, before.disagreement, dt_s)
+        inflation, rejected_s = self.weigh_rows(z, spread, before.rejected_s, dt_s)
+        disagreement, alpha = self.weigh_prediction(z, spread, inflation, before.disagreement, dt_s)
         alpha = max(alpha, min(1.0, largest_variance4(p) / MAX_VARIANCE))
         p = scaled4(p, 1.0 / alpha)
 
         dq, p = self.correction(p, rows, z, inflation)
-        q = q_unit(add4(q, dq)) if no_negative_variance4(p) else (nan, nan, nan, nan)
+        q = add4(q, dq)
+        sound = q_norm(q) >= MIN_LENGTH and no_negative_variance4(p)
         return RobustAdaptiveState(
-            q,
+            q_unit(q) if sound else (nan, nan, nan, nan),
             before.gyro_bias,
             not (isinf(inflation[0]) and isinf(inflation[1]) and isinf(inflation[2])),
             not isinf(inflation[3]),
@@ -163,12 +133,14 @@ class RobustAdaptive(AttitudeFilter):
     def _innovation(self, q: Quat, sample: ImuSample, aids: Aids) -> Quat:
         """Measured minus predicted, eq. (17); NaN for a row without a usable reading."""
         heading = heading_innovation(q, sample.mag, aids.heading)
-        if sample.saturated or not abs(norm(sample.accel) / G_MPS2 - 1.0) <= self.max_accel_error_g:
+        length = norm(sample.accel)
+        in_gate = abs(length / G_MPS2 - 1.0) <= self.max_accel_error_g
+        if sample.saturated or not in_gate or not 0.0 < length < MAX_ACCEL:
             return (nan, nan, nan, heading)
         x, y, z = accel_innovation(q, sample.accel)
         return (x, y, z, heading)
 
-    def _weigh_rows(self, z: Quat, spread: Quat, rejected_s: Quat, dt_s: float) -> tuple[Quat, Quat]:
+    def weigh_rows(self, z: Quat, spread: Quat, rejected_s: Quat, dt_s: float) -> tuple[Quat, Quat]:
         """The inflation of every row, eq. (16), and for how long each has been rejected.
 
         spread: diagonal of H P H^T.
@@ -185,7 +157,7 @@ class RobustAdaptive(AttitudeFilter):
         A row that is rejected for ``reacquire_s`` is right and the state is wrong: it is then believed as it is until
         it agrees again. Letting it in by degrees would reset the wait and stall.
         """
-        if isnan(z):
+        if isnan(z) or not variance > 0.0:
             return (inf, rejected_s)
         size = abs(z) / sqrt(variance)
         if not self.robust or size <= self.c:
@@ -198,7 +170,7 @@ class RobustAdaptive(AttitudeFilter):
             return (size / self.c, 0.0)
         return (inf, rejected_s + dt_s)
 
-    def _weigh_prediction(
+    def weigh_prediction(
         self, z: Quat, spread: Quat, inflation: Quat, disagreement: float, dt_s: float
     ) -> tuple[float, float]:
         """The running disagreement of the unflagged rows, and the adaptive factor alpha."""
@@ -251,22 +223,6 @@ class RobustAdaptive(AttitudeFilter):
         dq, p = _take_row(dq, p, rows[2], z[2], inflation[2] * r)
         dq, p = _take_row(dq, p, rows[3], z[3], inflation[3] * self.r_heading)
         return (dq, symmetric4(p))
-
-
-def _unmeasured(
-    q_nb: Quat, gyro_bias: Vec3, covariance: Mat4, disagreement: float, rejected_s: Quat
-) -> RobustAdaptiveState:
-    """A state that no row has led to."""
-    nothing: Quat = (nan, nan, nan, nan)
-    absent: Quat = (inf, inf, inf, inf)
-    return RobustAdaptiveState(
-        q_nb, gyro_bias, False, False, covariance, nothing, absent, 1.0, disagreement, rejected_s
-    )
-
-
-def _held(before: RobustAdaptiveState) -> RobustAdaptiveState:
-    """The state kept as it is."""
-    return _unmeasured(before.q_nb, before.gyro_bias, before.covariance, before.disagreement, before.rejected_s)
 
 
 def _take_row(dq: Quat, p: Mat4, h: Quat, z: float, r: float) -> tuple[Quat, Mat4]:
