@@ -18,6 +18,7 @@ from attest_mav.evaluation.replay.flight import Window
 from attest_mav.evaluation.replay.plan import check_names
 from attest_mav.evaluation.replay.report import as_json
 from attest_mav.evaluation.replay.rows import RowWriter
+from attest_mav.evaluation.replay.survey import IMU_MESSAGES, NAMED_REFERENCES
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.registry import default_filter, filter_names
 from attest_mav.logs.detect import HEAD_BYTES, require_format
@@ -30,17 +31,30 @@ FORMAT_NAMES: Final = {"dataflash": "a DataFlash log", "ulog": "a ULog"}
 @click.command("replay")
 @click.argument("logs", nargs=-1, required=True, metavar="LOG...")
 @click.option(
-    "--filter", "filters", default=filter_names()[0], show_default=True, metavar="A,B", help="Filters to run."
+    "--filter",
+    "filters",
+    default=filter_names()[0],
+    show_default=True,
+    metavar="A,B",
+    help=f"Filters to run, of {', '.join(filter_names())}.",
 )
-@click.option("--imu", metavar="MESSAGE", help="Inertial message to use; the most suitable one by default.")
-@click.option("--reference", metavar="MESSAGE", help="Attitude to compare with; a simulator's truth by default.")
-@click.option("--skip", "skip_s", default=30.0, show_default=True, metavar="SECONDS", help="Left out after alignment.")
+@click.option("--imu", metavar="MESSAGE", help=f"Inertial message to use, of {', '.join(IMU_MESSAGES)}.")
+@click.option("--reference", metavar="MESSAGE", help=f"What to compare with, of {', '.join(NAMED_REFERENCES)}.")
+@click.option(
+    "--skip", "skip_s", default=30.0, show_default=True, metavar="SECONDS", help="Not counted: so long after alignment."
+)
 @click.option("--start", "start_s", default=0.0, metavar="S", help="Read from S seconds after the first sample.")
 @click.option("--end", "end_s", default=inf, metavar="S", help="Read until S seconds after the first sample.")
 @click.option("--csv", "csv_path", metavar="FILE", help="Write every attitude with its errors.")
 @click.option("--tlog", "tlog_path", metavar="FILE", help="Write the log with the first filter's attitudes woven in.")
 @click.option("--json", "json_lines", is_flag=True, help="Print one JSON object a log, one a line.")
-@click.option("--declination", "declination_deg", type=float, metavar="DEG", help="East positive; by position.")
+@click.option(
+    "--declination",
+    "declination_deg",
+    type=float,
+    metavar="DEG",
+    help="East positive; looked up by the log's position and date if not given.",
+)
 def command(
     logs: tuple[str, ...],
     filters: str,
@@ -56,8 +70,9 @@ def command(
 ) -> None:
     """Run filters over LOGs and compare them, and the autopilot's own attitude, with a reference.
 
-    Errors are in degrees: the angle between the gravity directions (tilt), and what is left (heading). LOG is a
-    telemetry log (tlog).
+    LOG is a telemetry log (tlog). Messages that are not named are chosen: the best inertial message, and a simulator's
+    truth as reference where there is one. Errors are in degrees: the angle between the gravity directions (tilt), and
+    what is left (heading).
     """
     check_names(imu, reference)
     _check_declination(declination_deg)
