@@ -225,20 +225,18 @@ def test_a_row_that_is_rejected_for_long_is_believed_again():
 
 
 def test_a_prediction_that_disagrees_is_trusted_less():
-    """A gyro that is 6 deg/s off: the adaptive factor opens the filter, and the heading lags less."""
-    turning = [reading((0.0, 0.0, radians(6.0)))] * 2000
+    """A gyro that is 2 deg/s off: the adaptive factor opens the filter, and the heading lags much less."""
+    turning = [reading((0.0, 0.0, radians(2.0)))] * 2000
     adaptive, fixed = run(RobustAdaptive(c=inf), turning), run(RobustAdaptive(c=inf, adaptive=False), turning)
-    assert adaptive.alpha < 1.0
-    assert heading_between(adaptive.q_nb, ONE) < 0.9 * heading_between(fixed.q_nb, ONE)
     assert fixed.alpha == 1.0
+    assert heading_between(adaptive.q_nb, ONE) < 0.5 * heading_between(fixed.q_nb, ONE)
 
 
 def test_the_adaptive_factor_cannot_inflate_without_end():
-    """No field, and gravity that never agrees: the variance of the unobserved heading stops at what an angle can be."""
-    shaken = [reading(accel=(3.0, 0.0, -9.3), mag=None), reading(accel=(-3.0, 0.0, -9.3), mag=None)] * 500
-    state = run(RobustAdaptive(robust=False), shaken)
-    assert 0.9 < np.array(state.covariance).diagonal().max() < 1.1
-    assert q_norm(state.q_nb) == pytest.approx(1.0)
+    """No field, and spells of shaking: the variance of the unobserved heading stops at what an angle can be."""
+    shaken = [reading(accel=(3.0, 0.0, -9.3), mag=None)] * 25 + [reading(mag=None)] * 100
+    state = run(RobustAdaptive(robust=False), shaken * 12)
+    assert 0.9 < np.array(state.covariance).diagonal().max() < 1.01
 
 
 def test_a_vertical_heading_row_cannot_tilt():
