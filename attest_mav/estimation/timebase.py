@@ -4,7 +4,11 @@ from enum import IntEnum
 from typing import Final
 
 GAP_S: Final = 0.1
-"""A longer step is a gap: the filter goes on, and the gap is counted."""
+GAP_PERIODS: Final = 2.5
+"""A step longer than both, the second in usual steps, is a gap: the filter goes on, and the gap is counted. A stream
+of 4 Hz has no gaps in it; it is slow."""
+USUAL_SHARE: Final = 0.1
+"""Share of a new step in the running mean that is the usual one."""
 RESTART_S: Final = 1.0
 """After a longer one the motion in between is lost: the filter starts again."""
 
@@ -21,9 +25,9 @@ class StepKind(IntEnum):
 
     FIRST = 0
     STEP = 1
-    """An ordinary step of at most ``GAP_S``."""
+    """An ordinary step."""
     GAP = 2
-    """A step of ``GAP_S`` to ``RESTART_S``."""
+    """A step much longer than usual, of at most ``RESTART_S``."""
     RESTART = 3
     """A longer one."""
     REBOOT = 4
@@ -57,6 +61,7 @@ class TimeBase:
     def __init__(self) -> None:
         self._last_ns = -1
         self._wrapped_ns = 0
+        self._usual_s = 0.0
 
     def advance(self, t_ns: int) -> TimeStep:
         """Classify the next timestamp (ns, as the message carries it). REPEAT and LATE leave the time as it was."""
@@ -76,7 +81,12 @@ class TimeBase:
             self._wrapped_ns = 0
             self._last_ns = t_ns
             return TimeStep(StepKind.REBOOT, 0.0, t_ns)
-        dt_s = delta_ns * 1e-9
-        if dt_s <= GAP_S:
-            return TimeStep(StepKind.STEP, dt_s, now_ns)
-        return TimeStep(StepKind.GAP if dt_s <= RESTART_S else StepKind.RESTART, dt_s, now_ns)
+        return TimeStep(self._kind(delta_ns * 1e-9), delta_ns * 1e-9, now_ns)
+
+    def _kind(self, dt_s: float) -> StepKind:
+        """STEP, GAP or RESTART, by the length of a forward step; learns what is usual."""
+        if dt_s > RESTART_S:
+            return StepKind.RESTART
+        usual_s = self._usual_s if self._usual_s > 0.0 else dt_s
+        self._usual_s = usual_s + USUAL_SHARE * (dt_s - usual_s)
+        return StepKind.GAP if dt_s > GAP_S and dt_s > GAP_PERIODS * usual_s else StepKind.STEP

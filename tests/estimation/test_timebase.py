@@ -23,10 +23,18 @@ S = 1_000 * MS
 )
 def test_a_step_is_classified_by_its_size(delta_ns, kind, dt_s):
     base = TimeBase()
-    assert base.advance(1000 * S).kind == StepKind.FIRST
+    assert base.advance(1000 * S - 20 * MS).kind == StepKind.FIRST
+    base.advance(1000 * S)
     step = base.advance(1000 * S + delta_ns)
     assert step.kind == kind
     assert step.dt_s == pytest.approx(dt_s, abs=1e-12)
+
+
+def test_a_slow_stream_has_no_gaps_until_a_sample_is_missing():
+    base = TimeBase()
+    kinds = [base.advance(round(k * 0.25 * S)).kind for k in range(20)]
+    assert set(kinds[1:]) == {StepKind.STEP}
+    assert base.advance(round((19 * 0.25 + 0.75) * S)).kind == StepKind.GAP
 
 
 def test_repeats_and_late_samples_do_not_move_the_time():
