@@ -104,7 +104,7 @@ class FilterConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_o
 
     def build(self) -> AttitudeFilter:
         """The chosen filter."""
-        chosen = {
+        chosen: dict[str, GradientDescentConfig | RobustAdaptiveConfig | LevelingConfig] = {
             "gradient-descent": self.gradient_descent,
             "robust-adaptive": self.robust_adaptive,
             "leveling": self.leveling,
