@@ -1,7 +1,7 @@
 """Scenarios of paper 2: the robust adaptive filter on the rotating stand, as printed, in parts, and as recommended.
 
 Variants: PLAIN, PRINTED as the paper has it, ROBUST the same without its adaptive factor, LOGIC the recommended logic
-with the paper's noise, RECOMMENDED the filter's defaults. The paper says that the plain filter errs by 1, 0.2 and
+with the paper's noise and c, RECOMMENDED the filter's defaults. The paper says that the plain filter errs by 1, 0.2 and
 5 degrees in roll, pitch and yaw, and its own by less than 0.2.
 """
 
@@ -36,7 +36,7 @@ LIMIT_DEG: Final = 0.2
 PLAIN: Final = replace(PRINTED, robust=False, adaptive=False)
 ROBUST: Final = replace(PRINTED, adaptive=False)
 LOGIC: Final = replace(
-    RobustAdaptive(), r_heading=PRINTED.r_heading, gyro_noise=0.0, q_step=PRINTED.q_step, p0=PRINTED.p0
+    RobustAdaptive(), c=PRINTED.c, r_heading=PRINTED.r_heading, gyro_noise=0.0, q_step=PRINTED.q_step, p0=PRINTED.p0
 )
 RECOMMENDED: Final = RobustAdaptive()
 
@@ -193,7 +193,7 @@ SCENARIOS: Final = (
     ),
     Scenario(
         "P2-c",
-        "S2 and S3, the paper's noise: recommended logic, and the printed one without adaptive factor",
+        "S2 and S3, the paper's noise and c: recommended logic, and the printed one without adaptive factor",
         100,
         {"logic_s2_worst_deg": (0.0, 0.13), "logic_s3_worst_deg": (0.0, 0.13), "robust_s2_success": (0.85, 1.0)},
         contaminated,
