@@ -167,14 +167,14 @@ SCENARIOS: Final = (
     Scenario(
         "P1-a",
         "platform, beta 0.01",
-        20,
+        10,
         {"total_deg": (0.35, 0.71), "hf_deg": (0.0100, 0.0112)},
         platform_slow,
     ),
     Scenario(
         "P1-b",
         "platform, beta 0.05",
-        20,
+        10,
         {"total_deg": (0.14, 0.22), "tilt_deg": (0.10, 0.12), "hf_deg": (0.051, 0.057)},
         platform_best,
     ),
@@ -211,5 +211,5 @@ SCENARIOS: Final = (
         {"identity": (0.0, 1e-12), "jacobian": (0.0, 1e-6)},
         equations,
     ),
-    Scenario("P1-g", "platform without gyro bias, beta 0.01", 20, {"total_deg": (0.058, 0.085)}, without_bias),
+    Scenario("P1-g", "platform without gyro bias, beta 0.01", 10, {"total_deg": (0.058, 0.085)}, without_bias),
 )

@@ -1,5 +1,6 @@
 """The filter against the printed equations: test vectors, gradients, the identity of the complete form."""
 
+import random
 from math import cos, inf, pi, radians, sin, sqrt
 
 import numpy as np
@@ -220,6 +221,31 @@ def test_a_run_split_anywhere_and_restored_from_plain_numbers_is_the_same_to_the
     for sample, expected in zip(samples, whole, strict=True):
         state = filter_.step(state, 0.01, sample, NO_AIDS)
         assert state.q_nb == expected
+
+
+@pytest.mark.parametrize(
+    ("filter_", "expected"),
+    [
+        (GradientDescent(), (0.5082098161410201, 0.6378252074669611, -0.5786433214888536, -0.00858452060315724)),
+        (
+            GradientDescent(exponential=False, field=FIELD, full_fusion=True),
+            (0.487906712064288, 0.8089191663257139, -0.32801903440399377, 0.0005794326531829858),
+        ),
+    ],
+)
+def test_compiled_and_interpreted_agree_after_a_hundred_thousand_random_steps(filter_, expected):
+    """The attitude is that of the interpreted filter; the suite runs compiled as well."""
+    rng = random.Random(1)
+
+    def random_vector():
+        return (rng.random() - 0.5, rng.random() - 0.5, rng.random() - 0.5)
+
+    state = started(filter_)
+    for _ in range(100_000):
+        accel = tuple(20.0 * x for x in random_vector())
+        mag = random_vector() if rng.random() < 0.7 else None
+        state = filter_.step(state, 0.1 * rng.random() + 1e-3, reading(random_vector(), accel, mag), NO_AIDS)
+    assert state.q_nb == pytest.approx(expected, abs=1e-12)
 
 
 def parsed(text):
