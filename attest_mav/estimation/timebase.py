@@ -11,6 +11,8 @@ USUAL_SHARE: Final = 0.1
 """Share of a new step in the running mean that is the usual one."""
 RESTART_S: Final = 1.0
 """After a longer one the motion in between is lost: the filter starts again."""
+LATE_LIMIT: Final = 10
+"""So many late samples in a row are no disorder: the clock has been set back, by less than a reboot shows."""
 
 WRAP_NS: Final = (1 << 32) * 1_000_000
 """Millisecond clocks of 32 bits wrap after 49.7 days."""
@@ -31,7 +33,7 @@ class StepKind(IntEnum):
     RESTART = 3
     """A longer one."""
     REBOOT = 4
-    """The clock went back by more than a second."""
+    """The clock went back: by more than a second, or for ``LATE_LIMIT`` samples."""
     REPEAT = 5
     """The same timestamp again: the same sample again."""
     LATE = 6
@@ -62,6 +64,7 @@ class TimeBase:
         self._last_ns = -1
         self._wrapped_ns = 0
         self._usual_s = 0.0
+        self._late_count = 0
 
     def advance(self, t_ns: int) -> TimeStep:
         """Classify the next timestamp (ns, as the message carries it). REPEAT and LATE leave the time as it was."""
@@ -74,8 +77,12 @@ class TimeBase:
             self._wrapped_ns += WRAP_NS
             now_ns += WRAP_NS
             delta_ns += WRAP_NS
-        if -_RESTART_NS <= delta_ns <= 0:
-            return TimeStep(StepKind.REPEAT if delta_ns == 0 else StepKind.LATE, 0.0, now_ns)
+        if delta_ns == 0:
+            return TimeStep(StepKind.REPEAT, 0.0, now_ns)
+        if -_RESTART_NS <= delta_ns < 0 and self._late_count < LATE_LIMIT:
+            self._late_count += 1
+            return TimeStep(StepKind.LATE, 0.0, now_ns)
+        self._late_count = 0
         self._last_ns = now_ns
         if delta_ns < 0:
             self._wrapped_ns = 0

@@ -70,3 +70,18 @@ def test_instants_compare_across_a_wrap():
     assert wrapped_difference_ns(5 * MS, WRAP_NS - 5 * MS) == 10 * MS
     assert wrapped_difference_ns(WRAP_NS + 5 * MS, 3 * MS) == 2 * MS
     assert wrapped_difference_ns(3 * MS, 8 * MS) == -5 * MS
+
+
+def test_a_clock_set_back_by_less_than_a_second_is_noticed_after_some_samples():
+    base = TimeBase()
+    base.advance(10 * S)
+    kinds = [base.advance(round(9.2 * S) + k * 20 * MS).kind for k in range(13)]
+    assert kinds == [StepKind.LATE] * 10 + [StepKind.REBOOT] + [StepKind.STEP] * 2
+
+
+def test_disorder_is_no_set_back():
+    base = TimeBase()
+    order = [0, 20, 40, 30, 60, 50, 80, 70, 100, 90, 120, 110, 140, 130, 160, 150, 180, 170, 200, 190, 220, 210, 240]
+    kinds = [base.advance(S + t * MS).kind for t in order]
+    assert StepKind.REBOOT not in kinds
+    assert kinds.count(StepKind.LATE) == 10
