@@ -198,7 +198,9 @@ def q_to_matrix(q: Quat) -> Mat3:
 
 def mat_vec(m: Mat3, v: Vec3) -> Vec3:
     """m v."""
-    return (dot(m[0], v), dot(m[1], v), dot(m[2], v))
+    (a, b, c), (d, e, f), (g, h, i) = m
+    x, y, z = v
+    return (a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z)
 
 
 def q_from_matrix(m: Mat3) -> Quat:
