@@ -85,7 +85,11 @@ def final_figures(errors: Array) -> dict[str, float]:
 
 
 def down_sigma(chosen: Leveling, setting: Setting) -> Array:
-    """One sigma of the three components of the down vector at each sample, shape (n, 3)."""
+    """One sigma of the three components of the down vector at each sample, shape (n, 3).
+
+    Always with the same draw of the sensors' noise. The noise moves the estimate and with it the unit-length row,
+    which is what shows a straight run's roll at all: there sigma after 10 s was between 0.35 and 0.70 over 100 draws.
+    """
     after = states(chosen, voyage(setting, np.random.default_rng([0])))
     variances: Array = np.array([[state.level.p_dd[axis][axis] for axis in range(3)] for state in after])
     return variances**0.5
