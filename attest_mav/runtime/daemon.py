@@ -53,8 +53,8 @@ class Daemon:
     def _turn(self) -> bool:
         """Wait for a link or a deadline, and do what follows; False when it is time to stop."""
         self._watch()
-        due_ns = self._next_deadline_ns()
-        events = self.selector.select(max(0.0, (due_ns - time.monotonic_ns()) / 1e9))
+        wait_s = (self._next_deadline_ns() - time.monotonic_ns()) * 1e-9
+        events = self.selector.select(max(0.0, wait_s))
         now_ns = time.monotonic_ns()
         for key, mask in events:
             if key.data == STOP:
@@ -64,10 +64,13 @@ class Daemon:
             if mask & selectors.EVENT_READ:
                 self._read(key.data, now_ns)
         for number, link in enumerate(self.links):
-            if link.next_deadline_ns is not None and link.next_deadline_ns <= now_ns:
+            due_ns = link.next_deadline_ns
+            if due_ns is not None and due_ns <= now_ns:
                 self._read(number, now_ns)
-        self.service.poll(now_ns)
         self._write(now_ns)
+        if self.service.due_ns <= now_ns:
+            self.service.poll(now_ns)
+            self._write(now_ns)
         self._report(now_ns)
         return True
 
@@ -88,14 +91,14 @@ class Daemon:
 
     def _report(self, now_ns: int) -> None:
         """Tell systemd and the log. WATCHDOG=1 comes from here alone, and only while estimates are fresh."""
-        if self.service.fresh(now_ns):
-            if not self._ready:
-                self._ready = True
-                log.info("ready: the first estimate is there")
-                self.notifier.ready()
-            if self.notifier.watchdog_ns is not None and now_ns >= self._next_alive_ns:
-                self._next_alive_ns = now_ns + self.notifier.watchdog_ns
-                self.notifier.alive()
+        if not self._ready and self.service.fresh(now_ns):
+            self._ready = True
+            log.info("ready: the first estimate is there")
+            self.notifier.ready()
+        watchdog_ns = self.notifier.watchdog_ns
+        if watchdog_ns is not None and now_ns >= self._next_alive_ns and self.service.fresh(now_ns):
+            self._next_alive_ns = now_ns + watchdog_ns
+            self.notifier.alive()
         if now_ns >= self._next_status_ns:
             self._next_status_ns = now_ns + self._status_ns
             text = self._status.write(self.service, now_ns)
@@ -103,8 +106,8 @@ class Daemon:
             self.notifier.status(text)
 
     def _next_deadline_ns(self) -> int:
-        deadlines = [self.service.next_deadline_ns, self._next_status_ns]
-        deadlines += [link.next_deadline_ns for link in self.links if link.next_deadline_ns is not None]
+        deadlines = [self.service.due_ns, self._next_status_ns]
+        deadlines += [due_ns for link in self.links if (due_ns := link.next_deadline_ns) is not None]
         if self._ready and self.notifier.watchdog_ns is not None and self.service.estimate is not None:
             deadlines.append(self._next_alive_ns)
         return min(deadlines)

@@ -48,6 +48,8 @@ class Service:
         self.decoder = Decoder(dialect)
         self.pipeline: Pipeline | None = None
         self.samples = 0
+        self.due_ns = now_ns
+        """When ``poll`` is due; a time in the past is at once."""
         self._find_declination = find_declination
         self._declination_deg: float | None = None
         self._declination_place = (0.0, 0.0)
@@ -74,11 +76,14 @@ class Service:
             if self.companion.handle(link, frame, now_ns):
                 for sample in self.decoder.decode(frame):
                     self._take(sample, now_ns)
+            else:
+                self.due_ns = now_ns  # a heartbeat, an answer, a command: something may follow from it
 
     def link_restarted(self, link: int) -> None:
         """A link was opened again: whatever was half received is lost."""
         self.framers[link].reset()
         self.companion.link_broken(link)
+        self.due_ns = 0
 
     def poll(self, now_ns: int) -> None:
         """Do what is due."""
@@ -91,13 +96,10 @@ class Service:
         self.companion.poll(now_ns)
         for note in self.companion.notebook.take():
             log.log(note.level, "%s", note.text)
-
-    @property
-    def next_deadline_ns(self) -> int:
-        """When ``poll`` is due."""
-        due_ns = min(self.companion.next_deadline_ns, self._next_report_ns)
+        self.due_ns = min(self.companion.next_deadline_ns, self._next_report_ns)
         pipeline_ns = None if self.pipeline is None else self.pipeline.next_deadline_ns
-        return due_ns if pipeline_ns is None else min(due_ns, pipeline_ns)
+        if pipeline_ns is not None:
+            self.due_ns = min(self.due_ns, pipeline_ns)
 
     def take_frames(self, link: int) -> list[bytes]:
         """The frames to be written to a link."""
@@ -138,12 +140,14 @@ class Service:
             if isinstance(event, Estimate):
                 self.companion.publish(event, now_ns)
             elif isinstance(event, Verdict):
+                self.due_ns = now_ns
                 self._take_verdict(event)
             elif isinstance(event, LaneEvent):
+                self.due_ns = now_ns
                 log.log(logging.WARNING if event.kind in _WARNINGS else logging.INFO, "%s: %s", event.lane, event.text)
                 if event.kind == LaneEventKind.REBOOTED:
                     self.companion.ask_again(now_ns)
-        if self.estimate is None:
+        if events and self.estimate is None:
             self.companion.withdraw()
 
     def _take_verdict(self, verdict: Verdict) -> None:

@@ -123,17 +123,19 @@ def test_the_built_in_vehicle_needs_no_other_process(start):
     peer.socket.close()
 
 
-def test_a_server_that_goes_away_is_found_again(start):
+def test_a_server_that_goes_away_is_found_again(start, tmp_path):
     server = start("sim", "--link", "tcpin:127.0.0.1:0", "--scenario", "still")
     port = server.wait_for(r"on tcpin:127\.0\.0\.1:(\d+)")[1]
-    daemon = start("run", "--link", f"tcp:127.0.0.1:{port}")
+    config = tmp_path / "tcp.toml"
+    config.write_text(f"[[link]]\nurl = 'tcp:127.0.0.1:{port}'\n[log]\nstatus_s = 0.3\n")
+    daemon = start("run", "--config", str(config))
     daemon.wait_for("ready")
     assert server.end() == 0
     daemon.wait_for("trying again")
     start("sim", "--link", f"tcpin:127.0.0.1:{port}", "--scenario", "still")
     daemon.wait_for("connected")
     daemon.wait_for("vehicle found again")
-    daemon.wait_for("aligned")
+    daemon.wait_for(r"active .* sent (1[5-9]|2\d)\.")
     assert daemon.end() == 0
 
 

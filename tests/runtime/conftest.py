@@ -40,13 +40,15 @@ class Flight:
     def run_until(self, t_s: float) -> None:
         end_ns = round(t_s * SECOND)
         while self.now_ns < end_ns:
-            due_ns = min(self.vehicle.next_deadline_ns, self.service.next_deadline_ns)
+            due_ns = min(self.vehicle.next_deadline_ns, self.service.due_ns)
             self.now_ns = min(max(due_ns, self.now_ns + 100_000), end_ns)
             data = b"".join(self.vehicle.frames_until(self.now_ns))
             for begin in range(0, len(data), self._chunk or len(data) or 1):
                 self.service.receive(0, data[begin : begin + (self._chunk or len(data))], self.now_ns)
-            self.service.poll(self.now_ns)
             self._exchange()
+            if self.service.due_ns <= self.now_ns:  # as the daemon does
+                self.service.poll(self.now_ns)
+                self._exchange()
 
     def stop(self) -> None:
         self.service.stop()
