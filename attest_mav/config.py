@@ -127,7 +127,7 @@ class Config(_Record, frozen=True):
             stale_s=self.verdict.stale_s,
         )
         aids = AidSettings(self.aiding.forward_speed, self.aiding.velocity)
-        return PipelineSettings(self.output.rate_hz, self.estimate.stale_s, verdict, aids)
+        return PipelineSettings(self.estimate.stale_s, verdict, aids)
 
 
 def parse_config(text: str, name: str) -> Config:

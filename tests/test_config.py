@@ -166,11 +166,10 @@ def test_a_fixed_field_is_given_by_its_dip():
 
 
 def test_angles_are_radians_inside():
-    config = parse_config("[verdict]\ntilt_deg = 3\nmax_sigma_deg = 1\n[output]\nrate_hz = 5", "x")
+    config = parse_config("[verdict]\ntilt_deg = 3\nmax_sigma_deg = 1", "x")
     pipeline = config.pipeline_settings()
     assert pipeline.verdict.tilt == pytest.approx(radians(3.0))
     assert pipeline.verdict.max_sigma == pytest.approx(radians(1.0))
-    assert pipeline.publish_hz == 5.0
 
 
 def test_links_of_the_command_line_replace_those_of_the_file():

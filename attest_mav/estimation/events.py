@@ -1,4 +1,4 @@
-"""What the pipeline says: events of a lane, and what is to be published. Estimates and verdicts are events too."""
+"""What the pipeline says: events of a lane, and verdicts. Estimates are events too."""
 
 from enum import IntEnum
 from typing import Final
@@ -38,13 +38,6 @@ class LaneEvent:
         self.text: Final = text
 
 
-class Publication:
-    """This estimate is due to be sent."""
-
-    def __init__(self, estimate: Estimate) -> None:
-        self.estimate: Final = estimate
-
-
 class Agreement(IntEnum):
     """The verdict on the autopilot's attitude."""
 
@@ -72,4 +65,4 @@ class Verdict:
         self.rx_ns: Final = rx_ns
 
 
-Event = Estimate | LaneEvent | Publication | Verdict
+Event = Estimate | LaneEvent | Verdict

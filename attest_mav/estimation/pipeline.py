@@ -1,4 +1,4 @@
-"""The pipeline: samples in; estimates, publications, lane events and verdicts out. It never waits and reads no clock.
+"""The pipeline: samples in; estimates, lane events and verdicts out. It never waits and reads no clock.
 
 Live, replay and simulation drive the same object: ``handle`` for every sample, ``poll`` when ``next_deadline_ns``
 has come. Each inertial message is a lane of its own. The primary lane is the first of ``sources``, or where none are
@@ -11,7 +11,7 @@ from math import nan
 from typing import Final
 
 from attest_mav.estimation.aiding import AidSettings
-from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Publication, Verdict
+from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.lane import Lane
 from attest_mav.estimation.verdict import Judge, VerdictSettings
 from attest_mav.filters.base import AttitudeFilter
@@ -22,13 +22,12 @@ _NS: Final = 1_000_000_000
 
 @dataclass(frozen=True)
 class PipelineSettings:
-    """How often to publish, and when to stop.
+    """When to stop, and what to compare.
 
-    publish_hz: highest rate of publications, on the sensor's clock. stale_s: without an estimate for this long there
-    is none. verdict: thresholds of the comparison with the autopilot. aids: what aids the filters.
+    stale_s: without a sample for this long there is no estimate. verdict: thresholds of the comparison with the
+    autopilot. aids: what aids the filters.
     """
 
-    publish_hz: float = 50.0
     stale_s: float = 0.5
     verdict: VerdictSettings = field(default_factory=VerdictSettings)
     aids: AidSettings = field(default_factory=AidSettings)
@@ -55,7 +54,6 @@ class Pipeline:
         self._judge = Judge(settings.verdict)
         self._declination = nan
         self._newest: dict[str, Sample] = {}
-        self._next_publication_ns = -1
         self._attitude_source = ""
         self._attitude_rx_ns = -1
 
@@ -136,22 +134,7 @@ class Pipeline:
             if isinstance(event, Estimate):
                 self.estimate = event
                 self._judge.take_estimate(event)
-                if self._due(event):
-                    events.append(Publication(event))
                 return
-
-    def _due(self, estimate: Estimate) -> bool:
-        """True when the publishing rate allows this estimate; the schedule is kept on the sensor's clock."""
-        period_ns = int(_NS / self._settings.publish_hz)
-        ahead_ns = self._next_publication_ns - estimate.t_ns
-        # A tenth of a period early still counts: timestamps in whole milliseconds jitter around the schedule.
-        if period_ns // 10 < ahead_ns <= 2 * period_ns:  # further ahead, the clock has gone back
-            return False
-        if -period_ns <= ahead_ns <= period_ns:
-            self._next_publication_ns += period_ns
-        else:
-            self._next_publication_ns = estimate.t_ns + period_ns
-        return True
 
     def _handle_attitude(self, sample: AttitudeSample) -> list[Event]:
         """Judge the autopilot's attitude: ATTITUDE_QUATERNION where it arrives, else ATTITUDE."""

@@ -1,12 +1,11 @@
 """The pipeline on virtual time: what a person sees when sensors, clocks and links misbehave."""
 
-from itertools import pairwise
 from math import isnan, nan, radians
 
 import pytest
 
 from attest_mav.algebra import heading_between, q_from_euler, q_norm, q_to_euler, tilt_between
-from attest_mav.estimation.events import Agreement, LaneEvent, LaneEventKind, Publication, Verdict
+from attest_mav.estimation.events import Agreement, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.filters.gradient_descent import GradientDescent
 from attest_mav.types import G_MPS2, Estimate, North
@@ -173,14 +172,6 @@ def test_a_magnetometer_that_hangs_while_the_vehicle_turns_is_not_believed(pipel
     assert abs(heading_between(last.q_nb, q_from_euler(0.0, 0.0, turned))) < radians(6.0)
 
 
-def test_publications_keep_their_rate_on_the_sensor_clock(imu):
-    pipeline = Pipeline(PipelineSettings(publish_hz=10.0), [GradientDescent()])
-    events = run(pipeline, still(imu, 0.0, 11.0))
-    times = [e.estimate.t_ns for e in events if isinstance(e, Publication)]
-    assert len(times) == pytest.approx(105, abs=1)
-    assert {b - a for a, b in pairwise(times)} == {100_000_000}
-
-
 def test_only_the_primary_lane_is_published(imu):
     pipeline = Pipeline(PipelineSettings(), [GradientDescent()], ["RAW_IMU", "SCALED_IMU2"])
     both = [
@@ -190,7 +181,7 @@ def test_only_the_primary_lane_is_published(imu):
     ]
     events = run(pipeline, both)
     assert {e.lane for e in estimates(events)} == {"RAW_IMU", "SCALED_IMU2"}
-    assert {e.estimate.lane for e in events if isinstance(e, Publication)} == {"RAW_IMU"}
+    assert pipeline.estimate.lane == "RAW_IMU"
     assert set(pipeline.lanes) == {"RAW_IMU", "SCALED_IMU2"}
 
 
