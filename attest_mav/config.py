@@ -18,11 +18,13 @@ from attest_mav.estimation.pipeline import PipelineSettings
 from attest_mav.estimation.verdict import VerdictSettings
 from attest_mav.filter_config import FilterConfig
 from attest_mav.link_url import parse_link
+from attest_mav.mavlink.units import RawScales
 
 SystemId = Annotated[int, Meta(ge=0, le=255)]
 ComponentId = Annotated[int, Meta(ge=1, le=255)]
 RateHz = Annotated[float, Meta(gt=0.0, le=1000.0)]
 Seconds = Annotated[float, Meta(ge=0.1, le=3600.0)]
+Scale = Annotated[float, Meta(ge=0.0, le=1.0)]
 ImuMessage = Literal["RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "SCALED_IMU3", "HIGHRES_IMU"]
 SpeedSource = Literal[
     "auto", "airspeed", "groundspeed", "GPS_RAW_INT", "GLOBAL_POSITION_INT", "LOCAL_POSITION_NED", "none"
@@ -69,6 +71,20 @@ class StreamsConfig(_Record, frozen=True):
     aiding_hz: RateHz = 5.0
 
 
+class RawImuConfig(_Record, frozen=True):
+    """What one count of RAW_IMU means on an autopilot that sends true raw values; zeros refuse them."""
+
+    accel_mps2: Scale = 0.0
+    gyro_radps: Scale = 0.0
+    mag_gauss: Scale = 0.0
+
+    def scales(self) -> RawScales | None:
+        """The scales, None where none are configured."""
+        if self.accel_mps2 == 0.0 or self.gyro_radps == 0.0:
+            return None
+        return RawScales(self.accel_mps2, self.gyro_radps, self.mag_gauss)
+
+
 class AidingConfig(_Record, frozen=True):
     """Where filters that need them take the forward speed and the velocity from."""
 
@@ -107,6 +123,7 @@ class Config(_Record, frozen=True):
     output: OutputConfig = OutputConfig()
     link: tuple[LinkConfig, ...] = ()
     streams: StreamsConfig = StreamsConfig()
+    raw_imu: RawImuConfig = RawImuConfig()
     filter: FilterConfig = FilterConfig()
     aiding: AidingConfig = AidingConfig()
     estimate: EstimateConfig = EstimateConfig()
@@ -145,6 +162,8 @@ def parse_config(text: str, name: str) -> Config:
     except ValueError as error:
         raise ConfigError(f"{name}: {error}") from None
     _check_links(config, name)
+    if (config.raw_imu.accel_mps2 == 0.0) != (config.raw_imu.gyro_radps == 0.0):
+        raise ConfigError(f"{name}: raw_imu: accel_mps2 and gyro_radps go together; give both or neither")
     return config
 
 

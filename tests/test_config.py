@@ -172,6 +172,14 @@ def test_angles_are_radians_inside():
     assert pipeline.verdict.max_sigma == pytest.approx(radians(1.0))
 
 
+def test_scales_of_raw_readings_go_together():
+    assert Config().raw_imu.scales() is None
+    scales = parse_config("[raw_imu]\naccel_mps2 = 0.01\ngyro_radps = 0.001", "x").raw_imu.scales()
+    assert (scales.accel, scales.gyro, scales.mag) == (0.01, 0.001, 0.0)
+    with pytest.raises(ConfigError, match="raw_imu: accel_mps2 and gyro_radps go together"):
+        parse_config("[raw_imu]\naccel_mps2 = 0.01", "x")
+
+
 def test_links_of_the_command_line_replace_those_of_the_file():
     config = parse_config("[[link]]\nurl = 'sim:'\npublish = []", "x").with_links(("udpin::0", "sim:"))
     assert [link.url for link in config.link] == ["udpin::0", "sim:"]

@@ -4,8 +4,9 @@ from typing import Final
 
 from attest_mav.mavlink.units import ARDUPILOT, PX4
 
-PATIENCE_NS: Final = 2_000_000_000
-"""A message that was asked for and has not come by then gives way to the next."""
+PATIENCE_NS: Final = 3_000_000_000
+"""A message that was asked for and has given no sample by then gives way to the next. Five readings of a slow stream
+are needed to check its units."""
 LONG_PATIENCE_NS: Final = 10_000_000_000
 """The same once all have been tried in vain: nobody is asked in a hurry for ever."""
 SILENCE_NS: Final = 3_000_000_000

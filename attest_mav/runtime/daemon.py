@@ -37,7 +37,7 @@ class Daemon:
         self._epochs = [link.epoch for link in self.links]
         self._watched: list[tuple[int, int, int] | None] = [None] * len(self.links)
         self._status_ns = int(config.log.status_s * 1e9)
-        self._next_status_ns = now_ns + self._status_ns
+        self._next_status_ns = now_ns
         self._status = StatusLine(now_ns)
         self._next_alive_ns = now_ns
 
@@ -93,6 +93,7 @@ class Daemon:
         """Tell systemd and the log. WATCHDOG=1 comes from here alone, and only while estimates are fresh."""
         if not self._ready and self.service.fresh(now_ns):
             self._ready = True
+            self._next_status_ns = now_ns
             log.info("ready: the first estimate is there")
             self.notifier.ready()
         watchdog_ns = self.notifier.watchdog_ns

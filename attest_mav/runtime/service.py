@@ -45,7 +45,7 @@ class Service:
         ports = [(name, port_settings(link)) for name, link in zip(links, config.link, strict=True)]
         self.companion = Companion(dialect, companion_settings(config), ports, now_ns)
         self.framers = [Framer(dialect, self.companion.wanted) for _ in links]
-        self.decoder = Decoder(dialect)
+        self.decoder = Decoder(dialect, config.raw_imu.scales())
         self.pipeline: Pipeline | None = None
         self.samples = 0
         self.due_ns = now_ns

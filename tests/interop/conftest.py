@@ -66,12 +66,18 @@ class Program:
 
 
 @pytest.fixture
-def start(command: list[str]) -> Iterator[Callable[..., Program]]:
-    """Starts attest-mav with these arguments; whatever still runs in the end is killed."""
+def start(start_command: Callable[..., Program], command: list[str]) -> Callable[..., Program]:
+    """Starts attest-mav with these arguments."""
+    return lambda *arguments, **environment: start_command([*command, *arguments], environment)
+
+
+@pytest.fixture
+def start_command() -> Iterator[Callable[..., Program]]:
+    """Starts any command; whatever still runs in the end is killed."""
     programs: list[Program] = []
 
-    def make(*arguments: str, **environment: str) -> Program:
-        programs.append(Program([*command, *arguments], environment))
+    def make(whole: list[str], environment: dict[str, str]) -> Program:
+        programs.append(Program(whole, environment))
         return programs[-1]
 
     yield make

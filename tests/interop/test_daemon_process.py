@@ -185,6 +185,19 @@ def test_a_misspelt_key_is_one_line_and_78(start, config):
     assert daemon.lines[0].endswith("unknown key output.ratehz; did you mean rate_hz?")
 
 
+def test_it_runs_where_no_memory_is_both_writable_and_executable(start_command, command):
+    """What the unit file's MemoryDenyWriteExecute=yes means, by the kernel's own switch."""
+    program = (
+        "import ctypes, os, sys\n"
+        "if ctypes.CDLL(None).prctl(65, 1, 0, 0, 0): sys.exit('no such switch')  # PR_SET_MDWE\n"
+        f"os.execv({command[0]!r}, {command!r} + ['run', '--link', 'sim:still'])\n"
+    )
+    daemon = start_command([sys.executable, "-c", program], {})
+    if daemon.wait_for("headings are true|no such switch")[0] == "no such switch":
+        pytest.skip("this kernel cannot be asked for it; Linux can from 6.3 on")
+    assert daemon.end() == 0
+
+
 def test_run_imports_neither_numpy_nor_rich_nor_prometheus():
     """Each would cost memory and start-up time that a daemon has no use for."""
     program = (
