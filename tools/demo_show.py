@@ -108,11 +108,7 @@ def watch(port: int) -> list[tuple[float, float]]:
     """Show the attitudes beside the truth, one a second; tilt and heading errors (deg) of all after ``SETTLED_S``."""
     truth = FakeAutopilot(SimSettings(scenario=SCENARIO), SEED)
     errors: list[tuple[float, float]] = []
-    next_line_s = 1.0
-    print(f"{'':>7}  {'published by the daemon':^23}  {'simulator truth':^23}  difference")
-    print(
-        f"{'time s':>7}  {'roll':>7} {'pitch':>7} {'yaw':>7}  {'roll':>7} {'pitch':>7} {'yaw':>7}  tilt  heading (deg)"
-    )
+    next_line_s = 0.0
     for sample in published(port):
         t_s = sample.t_ns * 1e-9
         true_q = truth.truth(sample.t_ns).q_nb
