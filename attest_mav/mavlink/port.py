@@ -86,7 +86,8 @@ class Port:
         self._out: list[bytes] = []
         self._heartbeats: list[int] = []
         self._onboard_heard_ns = -ONBOARD_SILENCE_NS
-        self._held = False
+        self.held = False
+        """ATTITUDE_QUATERNION is held back at present."""
 
     def take(self) -> list[bytes]:
         """The frames to write, oldest first; each is handed out once."""
@@ -119,8 +120,8 @@ class Port:
     def onboard_heard(self, component: int, now_ns: int) -> None:
         """Another onboard computer of the vehicle speaks here: it may take our attitude for the autopilot's."""
         self._onboard_heard_ns = now_ns
-        if self.settings.attitude and self.settings.yields and not self._held:
-            self._held = True
+        if self.settings.attitude and self.settings.yields and not self.held:
+            self.held = True
             self._notes.warning(
                 f"{self.name}: ATTITUDE_QUATERNION is held back: component {component} is an onboard computer too "
                 "(MAVROS and MAVSDK would take ours for the autopilot's); see yield_to_onboard"
@@ -128,10 +129,10 @@ class Port:
 
     def publish(self, estimate: Estimate, now_ns: int) -> None:
         """Send the estimate in the forms and at the rates of this link."""
-        if self._held and now_ns - self._onboard_heard_ns >= ONBOARD_SILENCE_NS:
-            self._held = False
+        if self.held and now_ns - self._onboard_heard_ns >= ONBOARD_SILENCE_NS:
+            self.held = False
             self._notes.info(f"{self.name}: the other onboard computer is gone; ATTITUDE_QUATERNION is sent again")
-        if not self._held and self.attitude.due(estimate.t_ns):
+        if not self.held and self.attitude.due(estimate.t_ns):
             self.put_attitude(estimate)
         if self.covariance.due(estimate.t_ns):
             self.put_covariance(estimate)

@@ -55,12 +55,28 @@ class StatusLine:
         self._since_ns, self._samples, self._sent = now_ns, service.samples, sent
         parts = [STATE_NAMES.get(service.companion.state, "?"), _imu_text(service, imu_hz)]
         estimate = service.estimate
-        if estimate is not None:
+        if estimate is None:
+            parts += _obstacles(service)
+        else:
             parts.append(attitude_text(estimate))
             if service.pipeline is not None and service.pipeline.verdict is not None:
                 parts.append(verdict_text(service.pipeline.verdict))
-        parts.append(f"sent {sent_hz:.1f} Hz")
+        held = [port.name for port in service.companion.ports if port.held]
+        parts.append(f"sent {sent_hz:.1f} Hz" + (f", held back on {', '.join(held)}" if held else ""))
         return " | ".join(parts)
+
+
+def _obstacles(service: "Service") -> list[str]:
+    """Why there is no attitude."""
+    stream = service.companion.data.imu
+    if stream is None:
+        return []
+    refusal = service.decoder.refusals.get(stream.name)
+    if refusal is not None:
+        return [f"nothing is sent: {refusal}"]
+    if service.companion.state == CALIBRATING:
+        return ["nothing is sent: aligning"]
+    return ["nothing is sent: no sample has come" if service.pipeline is None else "nothing is sent: samples stopped"]
 
 
 def _imu_text(service: "Service", hz: float) -> str:
@@ -69,6 +85,8 @@ def _imu_text(service: "Service", hz: float) -> str:
     if stream is None:
         return "no vehicle yet"
     asked = f"{stream.name} {hz:.1f} of {stream.hz:g} Hz"
+    if not service.decoder.independent.get(stream.name, True):
+        asked += ", not independent of the autopilot's filter"
     if stream.ceiling_hz > 0.0:
         return f"{asked} (the autopilot's limit)"
     return asked if stream.answer in {"", "accepted"} else f"{asked} ({stream.answer})"

@@ -81,6 +81,24 @@ def test_the_autopilot_decides_what_is_asked_for(flight, personality, message):
     assert stream.achieved_hz == pytest.approx(50.0, abs=1.0)
 
 
+def test_what_is_not_independent_is_said(flight):
+    f = flight("[streams]\nimu_messages = ['HIGHRES_IMU']", sim(personality="px4"))
+    f.run_until(4.0)
+    line = StatusLine(0).write(f.service, f.now_ns)
+    assert line.split(" | ")[1].endswith("not independent of the autopilot's filter")
+
+
+def test_an_attitude_that_is_held_back_is_said(flight):
+    from attest_mav.mavlink.encoding import Encoder  # noqa: PLC0415
+
+    f = flight()
+    f.run_until(3.0)
+    f.service.receive(0, Encoder(f.vehicle.dialect, 1, 191).heartbeat(18, 8, 0, 4), f.now_ns)
+    f.run_until(4.0)
+    assert f.of_type("ATTITUDE_QUATERNION", 3.1) == []
+    assert StatusLine(0).write(f.service, f.now_ns).endswith("held back on udpin::0")
+
+
 def test_a_message_that_is_denied_gives_way_to_one_that_is_not(flight):
     f = flight("[streams]\nimu_messages = ['HIGHRES_IMU', 'RAW_IMU']")
     f.run_until(4.0)
@@ -106,6 +124,7 @@ def test_when_the_imu_stops_publishing_stops_and_the_state_says_so(flight, caplo
     assert f.of_type("ATTITUDE_QUATERNION", 5.1) == [], "nothing stale is sent"
     assert {beat.system_status for beat in f.of_type("HEARTBEAT", 5.6, 9.9)} == {BOOT}
     assert "RAW_IMU: no usable sample for 0.5 s: nothing is published" in caplog.messages
+    assert "nothing is sent: samples stopped" in StatusLine(0).write(f.service, f.now_ns)
     f.run_until(14.0)
     assert f.service.fresh(f.now_ns)
     assert f.of_type("ATTITUDE_QUATERNION", 11.0)
