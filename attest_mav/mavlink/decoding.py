@@ -6,6 +6,7 @@ are refused until a HEARTBEAT has told its MAV_AUTOPILOT. Refusals are results, 
 
 from typing import Final
 
+from attest_mav.mavlink.boot_clock import BootClock
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.frame import Frame
 from attest_mav.mavlink.imu import ImuLane
@@ -35,10 +36,11 @@ class Decoder:
 
     def __init__(self, dialect: Dialect, raw_scales: RawScales | None = None) -> None:
         heartbeat = HeartbeatReader(dialect)
+        boot_clock = BootClock()
         self.autopilots: Final = heartbeat.autopilots
         """MAV_AUTOPILOT by system id, as learned so far."""
         self._imu: Final = [
-            ImuReader(dialect, name, heartbeat.autopilots, raw_scales)
+            ImuReader(dialect, name, heartbeat.autopilots, boot_clock, raw_scales)
             for name in ("RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "SCALED_IMU3", "HIGHRES_IMU")
         ]
         others: list[Reader] = [
@@ -48,11 +50,11 @@ class Decoder:
             AttitudeReader(dialect, "SIMSTATE", "", ("xgyro", "ygyro", "zgyro")),
             QuaternionReader(dialect),
             SimStateReader(dialect),
-            GpsReader(dialect),
+            GpsReader(dialect, boot_clock),
             VelocityReader(dialect, "GLOBAL_POSITION_INT", CENTI),
             VelocityReader(dialect, "LOCAL_POSITION_NED", 1.0),
             HudReader(dialect),
-            ClockReader(dialect),
+            ClockReader(dialect, boot_clock),
         ]
         self._readers: Final[dict[int, Reader]] = {dialect.id_of(reader.name): reader for reader in others}
         for imu in self._imu:

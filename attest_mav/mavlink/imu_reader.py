@@ -2,10 +2,11 @@
 
 from typing import Final
 
+from attest_mav.mavlink.boot_clock import BootClock, time_refusal
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.frame import Frame
 from attest_mav.mavlink.imu import ImuLane
-from attest_mav.mavlink.readers import LATEST_US, Reader
+from attest_mav.mavlink.readers import Reader
 from attest_mav.mavlink.units import RawScales, unit_row
 from attest_mav.types import Sample, Vec3
 
@@ -21,8 +22,16 @@ class ImuReader(Reader):
     RAW_IMU and HIGHRES_IMU carry the sensor's number; above 0 it becomes part of the source: ``RAW_IMU#1``.
     """
 
-    def __init__(self, dialect: Dialect, name: str, autopilots: dict[int, int], raw_scales: RawScales | None) -> None:
+    def __init__(
+        self,
+        dialect: Dialect,
+        name: str,
+        autopilots: dict[int, int],
+        boot_clock: BootClock,
+        raw_scales: RawScales | None,
+    ) -> None:
         super().__init__(name)
+        self._boot_clock: Final = boot_clock
         self.lanes: Final[dict[int, ImuLane]] = {}
         self._autopilots: Final = autopilots
         self._raw_scales: Final = raw_scales
@@ -31,7 +40,7 @@ class ImuReader(Reader):
         vectors = [f"{axis}{sensor}" for sensor in ("acc", "gyro", "mag") for axis in "xyz"]
         tail = [field for field in ("fields_updated", "id") if field in layout.fields]
         self._fields: Final = layout.pick(time, *vectors, *tail)
-        self._time_unit_ns: Final = 1000 if time == "time_usec" else 1_000_000
+        self._in_us: Final = time == "time_usec"
         self._has_id: Final = "id" in tail
         self._has_updates: Final = "fields_updated" in tail
 
@@ -46,8 +55,9 @@ class ImuReader(Reader):
                 return self.refuse(frame, "fields_updated says that accelerometer or gyro are not new")
             field_sent = updated & UPDATED_MAG == UPDATED_MAG
         time: int = values[0]
-        if time >= LATEST_US:
-            return self.refuse(frame, f"its time is impossible ({time})")
+        t_ns = self._boot_clock.since_boot_ns(frame.system, time) if self._in_us else 1_000_000 * time
+        if t_ns < 0:
+            return self.refuse(frame, time_refusal(t_ns, time))
         lane = self.lanes.get((frame.system << 16) | (frame.component << 8) | number)
         if lane is None:
             lane = self._open_lane(frame, number)
@@ -56,7 +66,7 @@ class ImuReader(Reader):
         accel: Vec3 = (values[1], values[2], values[3])
         gyro: Vec3 = (values[4], values[5], values[6])
         field: Vec3 = (values[7], values[8], values[9])
-        return lane.accept(time * self._time_unit_ns, frame.rx_ns, accel, gyro, field, field_sent)
+        return lane.accept(t_ns, frame.rx_ns, accel, gyro, field, field_sent)
 
     def _open_lane(self, frame: Frame, number: int) -> ImuLane | None:
         """The lane of a sensor seen for the first time; None, and a refusal, while its units are not known."""

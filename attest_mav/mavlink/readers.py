@@ -5,6 +5,7 @@ from math import cos, isfinite, radians, sin
 from typing import Final
 
 from attest_mav.algebra import is_finite, q_from_euler, q_mul, q_norm, q_unit, rotate_back
+from attest_mav.mavlink.boot_clock import BootClock, time_refusal
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.frame import Frame
 from attest_mav.mavlink.units import INVALID
@@ -32,9 +33,6 @@ FIX_3D: Final = 3
 
 NOT_KNOWN_U16: Final = 65535
 """What GPS_RAW_INT writes into a uint16 field it does not know."""
-
-LATEST_US: Final = 1 << 53
-"""Microseconds that no vehicle reaches (285 years); less keeps nanoseconds within 64 bits."""
 
 CENTI: Final = 1e-2
 
@@ -156,8 +154,9 @@ class SimStateReader(Reader):
 class GpsReader(Reader):
     """GPS_RAW_INT with a 3-D fix: velocity over ground from speed and course, where both are known, and position."""
 
-    def __init__(self, dialect: Dialect) -> None:
+    def __init__(self, dialect: Dialect, boot_clock: BootClock) -> None:
         super().__init__("GPS_RAW_INT")
+        self._boot_clock: Final = boot_clock
         self._fields: Final = dialect.layout(self.name).pick("time_usec", "lat", "lon", "alt", "vel", "cog", "fix_type")
 
     def read(self, frame: Frame) -> list[Sample]:
@@ -165,9 +164,9 @@ class GpsReader(Reader):
         time, lat, lon, alt, vel, cog, fix = self._fields.unpack(frame.payload)
         if fix < FIX_3D:
             return self.refuse(frame, f"no 3-D fix (fix type {fix})")
-        if time >= LATEST_US:
-            return self.refuse(frame, f"its time is impossible ({time})")
-        t_ns: int = time * 1000
+        t_ns = self._boot_clock.since_boot_ns(frame.system, time)
+        if t_ns < 0:
+            return self.refuse(frame, time_refusal(t_ns, time))
         samples: list[Sample] = []
         if vel != NOT_KNOWN_U16 and (cog != NOT_KNOWN_U16 or vel == 0):
             speed: float = vel * CENTI
@@ -217,15 +216,17 @@ class HudReader(Reader):
 
 
 class ClockReader(Reader):
-    """SYSTEM_TIME."""
+    """SYSTEM_TIME, from which the boot clock learns."""
 
-    def __init__(self, dialect: Dialect) -> None:
+    def __init__(self, dialect: Dialect, boot_clock: BootClock) -> None:
         super().__init__("SYSTEM_TIME")
+        self._boot_clock: Final = boot_clock
         self._fields: Final = dialect.layout(self.name).pick("time_unix_usec", "time_boot_ms")
 
     def read(self, frame: Frame) -> list[Sample]:
         """One ClockSample."""
         unix_us, boot_ms = self._fields.unpack(frame.payload)
+        self._boot_clock.learn(frame.system, unix_us, boot_ms)
         t_ns: int = boot_ms * 1_000_000
         return [ClockSample(self.name, frame.system, frame.component, t_ns, frame.rx_ns, unix_us)]
 

@@ -26,10 +26,9 @@ from attest_mav.mavlink.encoding import Encoder
 
 OUR_COMPONENT: Final = 193
 """The component id of woven messages, the daemon's default."""
-AID_MESSAGES: Final = ("HEARTBEAT", "VFR_HUD", "GPS_RAW_INT")
-"""What filters are told besides the inertial samples."""
-INERTIAL_FILTERS: Final = ("gradient-descent", "robust-adaptive")
-"""Filters that use nothing else: for them the aids are not even decoded."""
+AID_MESSAGES: Final = ("HEARTBEAT", "VFR_HUD", "GPS_RAW_INT", "SYSTEM_TIME")
+"""What every lane is told besides the inertial samples, whatever its filter makes of it: a filter's result must not
+depend on which others run beside it."""
 
 SURVEY_SHARE: Final = 0.2
 """About the first pass's share of the time, for the progress."""
@@ -90,7 +89,7 @@ def replay(buffer: mmap | bytes, dialect: Dialect, request: Request, outputs: Ou
         weaver,
     )
     decoder = _taught_decoder(dialect, survey, plan)
-    _fly(buffer, decoder, flight, TlogReader(buffer, dialect, _wanted(dialect, request, plan)), outputs.progress)
+    _fly(buffer, decoder, flight, TlogReader(buffer, dialect, _wanted(dialect, plan)), outputs.progress)
     if not flight.imu.samples:
         reason = "; ".join(decoder.refusals.values()) or "the part to be read has none"
         raise UnreadableDataError(f"no usable {plan.imu}: {reason}")
@@ -126,11 +125,10 @@ def _declination(survey: Survey, plan: Plan, given_deg: float | None) -> Declina
     )
 
 
-def _wanted(dialect: Dialect, request: Request, plan: Plan) -> frozenset[int]:
+def _wanted(dialect: Dialect, plan: Plan) -> frozenset[int]:
     """Ids of the messages to decode in the second pass."""
     names = {plan.imu, plan.reference, plan.autopilot, plan.timing} - {None}
-    if any(one.name not in INERTIAL_FILTERS for one in request.filters):
-        names.update(AID_MESSAGES)
+    names.update(AID_MESSAGES)
     return frozenset(dialect.id_of(name) for name in names if name is not None)
 
 
