@@ -117,11 +117,11 @@ def open_link(url: LinkUrl, now_ns: int, *, wait: bool = True) -> Link:
 
         return SerialLink(url, now_ns, wait=wait)
     if url.scheme is Scheme.TCP:
-        from attest_mav.runtime.tcp_links import TcpClientLink  # noqa: PLC0415
+        from attest_mav.runtime.tcp_client_link import TcpClientLink  # noqa: PLC0415
 
         return TcpClientLink(url, now_ns, wait=wait)
     if url.scheme is Scheme.TCPIN:
-        from attest_mav.runtime.tcp_links import TcpServerLink  # noqa: PLC0415
+        from attest_mav.runtime.tcp_server_link import TcpServerLink  # noqa: PLC0415
 
         return TcpServerLink(url)
     if url.scheme is Scheme.SIM:
