@@ -205,7 +205,7 @@ class Estimate:
 
     lane: the IMU message. filter_name: the filter. q_nb: body to NED, sign-continuous. rates: bias-corrected body
     angular rate, rad/s. north: what the heading refers to. tilt_sigma, heading_sigma: 1-sigma, rad, NaN where the
-    filter has no covariance. dt_s: the step that led here, s.
+    filter has no covariance. dt_s: the step that led here, s. delay_s: how much later than usual the sample came, s.
     """
 
     def __init__(
@@ -220,6 +220,7 @@ class Estimate:
         tilt_sigma: float,
         heading_sigma: float,
         dt_s: float,
+        delay_s: float = 0.0,
     ) -> None:
         self.lane: Final = lane
         self.filter_name: Final = filter_name
@@ -231,3 +232,4 @@ class Estimate:
         self.tilt_sigma: Final = tilt_sigma
         self.heading_sigma: Final = heading_sigma
         self.dt_s: Final = dt_s
+        self.delay_s: Final = delay_s

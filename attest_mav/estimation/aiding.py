@@ -78,6 +78,11 @@ class Aiding:
             return "airspeed"
         return "groundspeed" if self._vehicle_type in SURFACE else "GPS_RAW_INT"
 
+    @property
+    def stands(self) -> bool | None:
+        """What the vehicle says of itself, see ``Stillness.stands``."""
+        return self._stillness.stands
+
     def take(self, sample: Sample) -> None:
         """Remember a sample that is not inertial."""
         self._stillness.take(sample)

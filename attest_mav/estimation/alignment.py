@@ -1,7 +1,10 @@
-"""Alignment at rest: the first attitude from gravity and the magnetic field, and the gyro's bias if it is still.
+"""Alignment: the first attitude from gravity and the magnetic field, and the gyro's bias of a vehicle that stands.
 
-At rest the readings of half a second are averaged. A vehicle that does not come to rest is aligned with what there
+Half a second of steady readings is averaged. A vehicle whose readings do not become steady is aligned with what there
 is after ``PATIENCE_S``: a start that the filters must then mend.
+
+Steady readings are no proof of rest: a slow, level turn is as steady. What is taken for bias therefore depends on
+what the vehicle says of itself.
 """
 
 from typing import Final
@@ -22,8 +25,10 @@ STILL_GYRO: Final = 0.05
 """rad/s: each axis stays this close to its mean at rest."""
 STILL_ACCEL: Final = 0.5
 """m/s^2: the same for the specific force."""
-MAX_BIAS: Final = 0.03
-"""rad/s: a steady rate above this is a turn, not a bias (a standard-rate turn is 0.05)."""
+STANDING_BIAS: Final = 0.1
+"""rad/s (6 deg/s): the largest bias that a vehicle known to stand may show; more is a sensor to be replaced."""
+SILENT_BIAS: Final = 0.01
+"""rad/s (0.6 deg/s): the same where nothing tells whether it stands. Autopilots calibrate their gyros to less."""
 
 
 def ecompass(accel: Vec3, mag: Vec3 | None) -> tuple[Quat, North]:
@@ -63,8 +68,11 @@ class Aligner:
         self._accel_sum: Vec3 = zero
         self._mag_sum: Vec3 = zero
 
-    def add(self, sample: ImuSample, dt_s: float) -> Start | None:
-        """Take the sample that came ``dt_s`` after the last one; the start, once there is one."""
+    def add(self, sample: ImuSample, dt_s: float, stands: bool | None) -> Start | None:
+        """Take the sample that came ``dt_s`` after the last one; the start, once there is one.
+
+        ``stands``: what the vehicle says of itself, None if nothing.
+        """
         if self._began:
             self._waited_s += dt_s
             self._length_s += dt_s
@@ -77,9 +85,9 @@ class Aligner:
         self._accumulate(sample)
         patience_over = self._waited_s >= self._patience_s
         if self._length_s >= self._window_s and (self._mag_count > 0 or patience_over):
-            return self._start(at_rest=True)
+            return self._start(steady=True, stands=stands)
         if patience_over:
-            return self._start(at_rest=False)
+            return self._start(steady=False, stands=stands)
         return None
 
     def _moved(self, sample: ImuSample) -> bool:
@@ -101,13 +109,14 @@ class Aligner:
             self._mag_count += 1
             self._mag_sum = add(self._mag_sum, mag)
 
-    def _start(self, at_rest: bool) -> Start:
+    def _start(self, steady: bool, stands: bool | None) -> Start:
         gyro = scale(self._gyro_sum, 1.0 / self._count)
         accel = scale(self._accel_sum, 1.0 / self._count)
         mag = scale(self._mag_sum, 1.0 / self._mag_count) if self._mag_count > 0 else None
         q_nb, north = ecompass(accel, mag)
-        bias = gyro if at_rest and norm(gyro) < MAX_BIAS else (0.0, 0.0, 0.0)
-        return Start(q_nb, bias, north, accel, mag, at_rest)
+        largest = STANDING_BIAS if stands else SILENT_BIAS
+        at_rest = steady and stands is not False and norm(gyro) < largest
+        return Start(q_nb, gyro if at_rest else (0.0, 0.0, 0.0), north, accel, mag, at_rest)
 
 
 def _usable(sample: ImuSample) -> bool:

@@ -19,6 +19,7 @@ from attest_mav.algebra import (
 )
 from attest_mav.estimation.aiding import Aiding, AidSettings
 from attest_mav.estimation.alignment import Aligner
+from attest_mav.estimation.delay import DelayMeter
 from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind
 from attest_mav.estimation.sensors import FieldMonitor, FreezeDetector, without_field
 from attest_mav.estimation.timebase import StepKind, TimeBase, TimeStep
@@ -63,6 +64,7 @@ class Lane:
         self._tracks = [Track(one) for one in filters]
         self._timebase = TimeBase()
         self._aligner = Aligner()
+        self._delay = DelayMeter()
         self._freeze = FreezeDetector()
         self._field = FieldMonitor()
         self._aligned = False
@@ -124,6 +126,8 @@ class Lane:
         self.restarts += 1
         self._aligned = False
         self._aligner = Aligner()
+        if kind == LaneEventKind.REBOOTED:
+            self._delay = DelayMeter()
         self._tell(events, kind, sample, text)
 
     def _hold_frozen(self, sample: ImuSample, events: list[Event]) -> None:
@@ -134,15 +138,15 @@ class Lane:
 
     def _align(self, sample: ImuSample, dt_s: float, events: list[Event]) -> None:
         """Feed the aligner; start every filter once it is done."""
-        start = self._aligner.add(sample, dt_s)
+        start = self._aligner.add(sample, dt_s, self.aiding.stands)
         if start is None:
             return
         self._aligned = True
         for track in self._tracks:
-            own = start if track.state is None else _with_memory(start, track.state)
+            own = start if track.state is None else _with_memory(start, track.state, self.aiding.stands is True)
             track.state = track.filter.initial(own)
             track.north = start.north
-        manner = "at rest" if start.at_rest else "in motion"
+        manner = "at rest" if start.at_rest else "in motion, or in doubt of it"
         heading = "magnetic heading" if start.north == North.MAGNETIC else "no heading: it starts at zero"
         self._tell(events, LaneEventKind.ALIGNED, sample, f"aligned {manner}, {heading}")
 
@@ -176,6 +180,7 @@ class Lane:
         """Append every filter's estimate at this sample."""
         self.last_rx_ns = sample.rx_ns
         declination = self.aiding.declination
+        delay_s = self._delay.delay_s(step.t_ns, sample.rx_ns)
         for track in self._tracks:
             state = track.state
             if state is None:
@@ -196,6 +201,7 @@ class Lane:
                     state.tilt_sigma,
                     state.heading_sigma,
                     step.dt_s,
+                    delay_s,
                 )
             )
 
@@ -203,9 +209,9 @@ class Lane:
         events.append(LaneEvent(self.source, kind, sample.t_ns, sample.rx_ns, text))
 
 
-def _with_memory(start: Start, before: FilterState) -> Start:
-    """The start with what an earlier state still knows: the bias if there was no rest, the heading if no field."""
-    bias = start.gyro_bias if start.at_rest else before.gyro_bias
+def _with_memory(start: Start, before: FilterState, stands: bool) -> Start:
+    """The start with what an earlier state still knows: the bias unless it surely stands, the heading if no field."""
+    bias = start.gyro_bias if stands else before.gyro_bias
     q_nb = start.q_nb
     if start.north == North.RELATIVE:
         q_nb = q_mul(q_heading(q_to_euler(before.q_nb)[2]), q_nb)

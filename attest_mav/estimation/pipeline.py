@@ -24,8 +24,8 @@ _NS: Final = 1_000_000_000
 class PipelineSettings:
     """When to stop, and what to compare.
 
-    stale_s: without a sample for this long there is no estimate. verdict: thresholds of the comparison with the
-    autopilot. aids: what aids the filters.
+    stale_s: without a sample for this long there is no estimate, and one that comes later than this does not hold.
+    verdict: thresholds of the comparison with the autopilot. aids: what aids the filters.
     """
 
     stale_s: float = 0.5
@@ -45,7 +45,8 @@ class Pipeline:
     ) -> None:
         self.lanes: Final[dict[str, Lane]] = {}
         self.estimate: Estimate | None = None
-        """The newest estimate of the primary lane, None while there is none that holds."""
+        """The newest estimate of the primary lane, None while there is none that holds. One that came too late to hold
+        is in the events of ``handle``, and not here."""
         self.verdict: Verdict | None = None
         """The newest verdict."""
         self._settings = settings
@@ -132,8 +133,9 @@ class Pipeline:
             return
         for event in events:
             if isinstance(event, Estimate):
-                self.estimate = event
-                self._judge.take_estimate(event)
+                if event.delay_s <= self._settings.stale_s:
+                    self.estimate = event
+                    self._judge.take_estimate(event)
                 return
 
     def _handle_attitude(self, sample: AttitudeSample) -> list[Event]:

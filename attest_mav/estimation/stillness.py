@@ -32,6 +32,13 @@ class Stillness:
         elif isinstance(sample, VelocitySample):
             self._speed = norm(sample.v_ned)
 
+    @property
+    def stands(self) -> bool | None:
+        """What the vehicle itself says: True when it stands, False when it moves or may, None when it says nothing."""
+        if isfinite(self._speed):
+            return self._speed <= STANDING_SPEED
+        return None if self._armed is None else not self._armed
+
     def still(self, sample: ImuSample, dt_s: float) -> bool:
         """True while the vehicle stands, as of this sample, ``dt_s`` after the one before.
 
@@ -45,8 +52,4 @@ class Stillness:
         elif not (gyro < 2.0 * STILL_GYRO and accel < 2.0 * STILL_ACCEL):
             self._quiet_s = 0.0
             self._quiet = False
-        if not self._quiet:
-            return False
-        if isfinite(self._speed) and self._speed > STANDING_SPEED:
-            return False
-        return self._armed is False or isfinite(self._speed)
+        return self._quiet and self.stands is True

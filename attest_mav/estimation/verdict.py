@@ -108,7 +108,7 @@ class Judge:
 
     def _lasted(self, reference: AttitudeSample) -> bool:
         """True when the opposing differences have lasted for the hold time."""
-        return (reference.t_ns - self._opposing_since_ns) * 1e-9 >= self._settings.hold_s
+        return wrapped_difference_ns(reference.t_ns, self._opposing_since_ns) * 1e-9 >= self._settings.hold_s
 
     def _offence(self, estimate: Estimate, tilt: float, heading: float) -> str:
         """Which difference is too large now: "tilt", "heading" or "agrees"."""

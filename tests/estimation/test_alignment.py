@@ -43,7 +43,7 @@ def test_at_rest_the_start_is_the_mean_with_the_gyro_bias(imu):
     start = None
     steps = 0
     while start is None:
-        start = aligner.add(imu(0.02 * steps, rate=0.002, gyro=(0.001 * (-1) ** steps, 0.004, 0.002)), 0.02)
+        start = aligner.add(imu(0.02 * steps, rate=0.002, gyro=(0.001 * (-1) ** steps, 0.004, 0.002)), 0.02, None)
         steps += 1
     assert (steps - 1) * 0.02 == pytest.approx(WINDOW_S, abs=0.021)
     assert start.at_rest
@@ -56,7 +56,7 @@ def test_a_steady_turn_is_not_taken_for_a_bias(imu):
     start = None
     steps = 0
     while start is None:
-        start = aligner.add(imu(0.02 * steps, yaw=0.1 * 0.02 * steps, rate=0.1), 0.02)
+        start = aligner.add(imu(0.02 * steps, yaw=0.1 * 0.02 * steps, rate=0.1), 0.02, None)
         steps += 1
     assert start.gyro_bias == (0.0, 0.0, 0.0)
 
@@ -66,7 +66,7 @@ def test_a_vehicle_that_never_rests_is_aligned_after_a_while(imu):
     start = None
     steps = 0
     while start is None:
-        start = aligner.add(imu(0.02 * steps, gyro=(0.5 * (-1) ** steps, 0.0, 0.0)), 0.02)
+        start = aligner.add(imu(0.02 * steps, gyro=(0.5 * (-1) ** steps, 0.0, 0.0)), 0.02, None)
         steps += 1
     assert not start.at_rest
     assert (steps - 1) * 0.02 == pytest.approx(PATIENCE_S, abs=0.021)
@@ -75,12 +75,12 @@ def test_a_vehicle_that_never_rests_is_aligned_after_a_while(imu):
 def test_a_late_magnetometer_is_waited_for_but_not_for_ever(imu):
     aligner = Aligner()
     for k in range(50):
-        assert aligner.add(imu(0.02 * k, field=False), 0.02) is None
-    start = aligner.add(imu(1.0, yaw=radians(30.0)), 0.02)
+        assert aligner.add(imu(0.02 * k, field=False), 0.02, None) is None
+    start = aligner.add(imu(1.0, yaw=radians(30.0)), 0.02, None)
     assert start is not None
     assert start.north == North.MAGNETIC
     aligner = Aligner()
-    starts = [aligner.add(imu(0.02 * k, field=False), 0.02) for k in range(102)]
+    starts = [aligner.add(imu(0.02 * k, field=False), 0.02, None) for k in range(102)]
     first = next(s for s in starts if s is not None)
     assert first.north == North.RELATIVE
 
@@ -88,5 +88,5 @@ def test_a_late_magnetometer_is_waited_for_but_not_for_ever(imu):
 def test_free_fall_and_hard_manoeuvres_do_not_align(imu):
     aligner = Aligner()
     for k in range(500):
-        assert aligner.add(imu(0.02 * k, accel=(0.0, 0.0, -0.2 * G_MPS2)), 0.02) is None
-        assert aligner.add(imu(0.02 * k, accel=(0.0, 0.0, -1.8 * G_MPS2)), 0.02) is None
+        assert aligner.add(imu(0.02 * k, accel=(0.0, 0.0, -0.2 * G_MPS2)), 0.02, None) is None
+        assert aligner.add(imu(0.02 * k, accel=(0.0, 0.0, -1.8 * G_MPS2)), 0.02, None) is None

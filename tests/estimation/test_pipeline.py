@@ -8,7 +8,7 @@ from attest_mav.algebra import heading_between, q_from_euler, q_norm, q_to_euler
 from attest_mav.estimation.events import Agreement, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.filters.gradient_descent import GradientDescent
-from attest_mav.types import G_MPS2, Estimate, North
+from attest_mav.types import G_MPS2, Estimate, HeartbeatSample, ImuSample, North
 
 DT = 0.02
 
@@ -272,3 +272,37 @@ def test_a_test_filter_beside_another_changes_nothing(imu):
     alone = estimates(run(Pipeline(PipelineSettings(), [GradientDescent()]), samples))
     beside = estimates(run(Pipeline(PipelineSettings(), [GradientDescent(), GradientDescent(beta=0.5)]), samples))
     assert [e.q_nb for e in beside[::2]] == [e.q_nb for e in alone]
+
+
+def test_a_backlog_leads_to_estimates_that_do_not_hold(pipeline, imu):
+    run(pipeline, still(imu, 0.0, 2.0))
+    held = []
+    for sample in still(imu, 2.0, 12.0):
+        late = ImuSample("RAW_IMU", 1, 1, sample.t_ns, 12_000_000_000, sample.gyro, sample.accel, sample.mag)
+        (estimate,) = estimates(pipeline.handle(late))
+        if pipeline.estimate is estimate:
+            held.append(12.0 - estimate.t_ns * 1e-9)
+    assert held
+    assert max(held) < 0.6, "no estimate older than stale_s (0.5 s) holds, but for what jitter allows"
+
+
+def armed(t_s, is_armed):
+    return HeartbeatSample("HEARTBEAT", 1, 1, round(t_s * 1e9), 2, 3, is_armed, 4)
+
+
+@pytest.mark.parametrize(("is_armed", "expected"), [(True, 0.0), (False, 0.05), (None, 0.0)])
+def test_a_steady_rate_is_a_bias_only_of_a_vehicle_that_stands(pipeline, imu, is_armed, expected):
+    if is_armed is not None:
+        pipeline.handle(armed(0.0, is_armed))
+    last = estimates(run(pipeline, still(imu, 0.0, 1.0, rate=0.05)))[-1]
+    assert 0.05 - last.rates[2] == pytest.approx(expected, abs=1e-9)
+
+
+def test_aligning_again_in_a_slow_turn_keeps_the_bias_learned_on_the_ground(pipeline, imu):
+    bias = 0.006
+    pipeline.handle(armed(0.0, is_armed=False))
+    run(pipeline, still(imu, 0.0, 2.0, rate=bias))
+    pipeline.handle(armed(2.0, is_armed=True))
+    turning = [imu(5.0 + k * DT, yaw=0.02 * k * DT, rate=bias + 0.02) for k in range(200)]
+    last = estimates(run(pipeline, turning))[-1]
+    assert last.rates[2] == pytest.approx(0.02, abs=1e-9)
