@@ -7,7 +7,7 @@ GLOBAL_POSITION_INT comes out of the filter under judgement.
 """
 
 from dataclasses import dataclass
-from math import nan, pi
+from math import isfinite, nan, pi
 from typing import Final
 
 from attest_mav.algebra import rotate_back
@@ -106,14 +106,14 @@ class Aiding:
         source, (forward, side, down) = self._body_velocity(air, sample, q_nb, north)
         return Aids(
             forward,
-            source is not None and source is not self._speed_given,
+            source is not None and isfinite(forward) and source is not self._speed_given,
             self._still,
             self._latitude,
             self.declination,
             velocity,
             velocity is not None and velocity is not self._velocity_given,
             air.airspeed if air is not None else nan,
-            air is not None and air is not self._air_given,
+            air is not None and isfinite(air.airspeed) and air is not self._air_given,
             side_speed=side,
             down_speed=down,
         )

@@ -146,3 +146,11 @@ def test_a_velocity_is_resolved_in_all_body_axes_and_climb_fills_what_gps_lacks(
     aids = aiding.aids(imu(1.0), EAST, North.TRUE)
     # Nose east: forward is east, right is south, and climbing is up.
     assert (aids.forward_speed, aids.side_speed, aids.down_speed) == pytest.approx((7.0, -3.0, -2.0))
+
+
+def test_an_airspeed_that_is_not_known_is_never_fresh(imu):
+    aiding = Aiding(AidSettings())
+    aiding.take(heartbeat(PLANE))
+    aiding.take(hud(1.0, airspeed=float("nan")))
+    aids = aiding.aids(imu(1.0), EAST, North.TRUE)
+    assert (aids.forward_speed_fresh, aids.airspeed_fresh) == (False, False)
