@@ -1,11 +1,16 @@
 """``attest-mav evaluate``: the papers' scenarios, measured and held against their bounds."""
 
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from attest_mav.errors import UsageError
+from attest_mav.runtime.files import atomic_write
+
 if TYPE_CHECKING:
+    from attest_mav.evaluation.figures import PaperFigure
     from attest_mav.evaluation.harness import Outcome, Scenario
 
 DEFAULT_SEED = 1
@@ -19,9 +24,16 @@ MISSED = 1
 @click.option("--seed", type=click.IntRange(min=0, max=2**63 - 1), default=DEFAULT_SEED, show_default=True)
 @click.option("--workers", type=click.IntRange(min=1, max=1024), help="Processes to spread the runs over; one a core.")
 @click.option("--json", "as_json", is_flag=True, help="Print a list of records instead of a table.")
+@click.option("--plot", "folder", metavar="DIR", help="Draw the papers' figures into DIR (needs the extra report).")
 @click.pass_context
 def command(
-    ctx: click.Context, names: tuple[str, ...], runs: int | None, seed: int, workers: int | None, as_json: bool
+    ctx: click.Context,
+    names: tuple[str, ...],
+    runs: int | None,
+    seed: int,
+    workers: int | None,
+    as_json: bool,
+    folder: str | None,
 ) -> None:
     """Reproduce the papers' scenarios and check them against their bounds.
 
@@ -30,13 +42,41 @@ def command(
     """
     from attest_mav.evaluation.scenarios import select  # noqa: PLC0415 - numpy is slow to import
 
-    outcomes = measure(select(names), runs, seed, workers)
+    chosen = select(names)
+    drawings = [] if folder is None else prepare_figures(folder, chosen)
+    outcomes = measure(chosen, runs, seed, workers)
     if as_json:
         click.echo(json.dumps([outcome.as_json() for outcome in outcomes], indent=2))
     else:
         show(outcomes)
+    if folder is not None:
+        draw(drawings, Path(folder), seed, workers)
     if not all(outcome.passed for outcome in outcomes):
         ctx.exit(MISSED)
+
+
+def prepare_figures(folder: str, chosen: "list[Scenario]") -> "list[PaperFigure]":
+    """The figures of the chosen scenarios' papers, once it is clear that they can be drawn and kept."""
+    from attest_mav.evaluation.figures import figures_for  # noqa: PLC0415 - numpy is slow to import
+
+    found = figures_for([scenario.id for scenario in chosen])
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"cannot make the folder {folder}: {error.strerror}") from error
+    return found
+
+
+def draw(drawings: "list[PaperFigure]", folder: Path, seed: int, workers: int | None) -> None:
+    """Draw each figure into a PNG file of its name."""
+    from attest_mav.evaluation.harness import processes  # noqa: PLC0415 - with it comes multiprocessing
+
+    with processes(workers) as trial_map:
+        for figure in drawings:
+            path = folder / f"{figure.name}.png"
+            with atomic_write(path) as file:
+                figure.draw(seed, trial_map).savefig(file, format="png")
+            click.echo(f"drew {path}", err=True)
 
 
 def measure(chosen: "list[Scenario]", runs: int | None, seed: int, workers: int | None) -> "list[Outcome]":
