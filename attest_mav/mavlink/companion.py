@@ -16,7 +16,8 @@ from attest_mav.mavlink.framing import Frame
 from attest_mav.mavlink.lock_on import LockOn, Vehicle
 from attest_mav.mavlink.notes import Notebook
 from attest_mav.mavlink.port import TYPE_ONBOARD_CONTROLLER, Port, PortSettings
-from attest_mav.mavlink.stream_keeper import Order
+from attest_mav.mavlink.stream import Order
+from attest_mav.mavlink.units import INVALID
 from attest_mav.mavlink.vehicle_data import DataSettings, VehicleData
 from attest_mav.types import Estimate
 
@@ -33,6 +34,7 @@ UNKNOWN_SYSTEM: Final = 1
 CLASH_PAUSE_NS: Final = 60_000_000_000
 """A clash of ids is reported again after this long."""
 
+NOBODY: Final = (0, 0, INVALID)
 PROTOCOL: Final = ("HEARTBEAT", "COMMAND_LONG", "COMMAND_INT", "COMMAND_ACK", "REQUEST_DATA_STREAM")
 
 
@@ -63,6 +65,8 @@ class Companion:
         self.state = BOOT
         """MAV_STATE of the heartbeat; set by who knows."""
         self.clashes = 0
+        self.sender = NOBODY
+        """System, component and MAV_AUTOPILOT that samples come from: when it changes, nothing learned holds on."""
         self._system = settings.system or settings.vehicle_system or UNKNOWN_SYSTEM
         self._settings: Final = settings
         self.ports: Final = [
@@ -84,10 +88,7 @@ class Companion:
         self._clash_told_ns = now_ns - CLASH_PAUSE_NS
 
     def handle(self, link: int, frame: Frame, now_ns: int) -> bool:
-        """Take one frame from a link; True when it is the vehicle's data and worth decoding.
-
-        ConfigError when there are several vehicles and the settings do not name one.
-        """
+        """Take one frame from a link; True when it is the vehicle's data and worth decoding."""
         message_id = frame.message_id
         if frame.system == self._system and frame.component == self._settings.component:
             self._hear_own_ids(frame, now_ns)
@@ -160,8 +161,8 @@ class Companion:
         vehicle = self.lock_on.vehicle
         if vehicle is not None and self._settings.data.restores:
             port = self.ports[vehicle.link]
-            for stream in self.data.keeper.streams:
-                port.put(port.encoder.set_message_interval(vehicle.system, vehicle.component, stream.message_id, 0))
+            for message_id in self.data.keeper.asked:
+                port.put(port.encoder.set_message_interval(vehicle.system, vehicle.component, message_id, 0))
         for port in self.ports:
             port.heartbeat(POWEROFF)
 
@@ -183,9 +184,12 @@ class Companion:
 
     def _hear_heartbeat(self, link: int, frame: Frame, now_ns: int) -> bool:
         vehicle_type, autopilot = self._heartbeat.unpack(frame.payload)
-        if self.lock_on.heartbeat(link, frame.system, frame.component, vehicle_type, autopilot, now_ns):
-            self._found(now_ns)
+        found = self.lock_on.heartbeat(link, frame.system, frame.component, vehicle_type, autopilot, now_ns)
         vehicle = self.lock_on.vehicle
+        if vehicle is None:
+            self._forget()
+        elif found:
+            self._found(vehicle, now_ns)
         if vehicle_type == TYPE_ONBOARD_CONTROLLER and frame.system == self._system:
             self.ports[link].onboard_heard(frame.component, now_ns)
         return vehicle is not None and frame.system == vehicle.system and frame.component == vehicle.component
@@ -207,11 +211,19 @@ class Companion:
         if meant and command == SET_MESSAGE_INTERVAL:
             self.data.keeper.acknowledged(result, now_ns)
 
-    def _found(self, now_ns: int) -> None:
+    def _forget(self) -> None:
+        """There is no vehicle, or none any more because there are several."""
+        if self.sender != NOBODY:
+            self.sender = NOBODY
+            self.withdraw()
+            self.data.forget()
+
+    def _found(self, vehicle: Vehicle, now_ns: int) -> None:
         """The vehicle is there, for the first time or again: take its id and ask for its messages."""
-        vehicle = self.lock_on.vehicle
-        if vehicle is None:
-            return
+        sender = (vehicle.system, vehicle.component, vehicle.autopilot)
+        if sender != self.sender:
+            self._forget()
+            self.sender = sender
         self._system = self._settings.system or vehicle.system
         for port in self.ports:
             port.rename(self._system)

@@ -4,6 +4,7 @@ from typing import Final
 
 INFO: Final = 20
 WARNING: Final = 30
+ERROR: Final = 40
 """The numbers of Python's logging levels."""
 
 MAX_NOTES: Final = 100
@@ -31,6 +32,10 @@ class Notebook:
     def warning(self, text: str) -> None:
         """Something worth acting on."""
         self._add(Note(WARNING, text))
+
+    def error(self, text: str) -> None:
+        """Something that keeps the whole from working until someone acts on it."""
+        self._add(Note(ERROR, text))
 
     def _add(self, note: Note) -> None:
         if len(self._notes) < MAX_NOTES:

@@ -9,6 +9,7 @@ still does not deliver is its ceiling, and is left alone.
 from typing import Final
 
 from attest_mav.mavlink.notes import Notebook
+from attest_mav.mavlink.stream import LONGEST_PAUSE_NS, Order, Stream
 
 ACCEPTED: Final = 0
 TEMPORARILY_REJECTED: Final = 1
@@ -22,88 +23,10 @@ RESULT_NAMES: Final = ("accepted", "temporarily rejected", "denied", "unsupporte
 ACK_WAIT_NS: Final = 1_000_000_000
 MAX_TRIES: Final = 3
 """A command without an answer is sent this often, with a raised confirmation."""
-WINDOW_NS: Final = 2_000_000_000
-MIN_WINDOW_PERIODS: Final = 10
-"""Rates are measured over two seconds, or over ten periods of the request if that is longer."""
-LOW_SHARE: Final = 0.8
 LOW_WINDOWS: Final = 2
 """Under 80 % of the request in two windows in a row: ask again."""
-SAME_RATE: Final = 0.1
-"""Two measured rates this near to each other, by share, are the same: asking again changed nothing."""
-FIRST_PAUSE_NS: Final = 5_000_000_000
-LONGEST_PAUSE_NS: Final = 60_000_000_000
 OVERRIDE_MEMORY_NS: Final = 60_000_000_000
 """Who asked for streams within the last minute may be who overrides ours."""
-
-
-class Order:
-    """A request to put on the wire: SET_MESSAGE_INTERVAL, or REQUEST_DATA_STREAM where ``group`` is not negative."""
-
-    def __init__(self, message_id: int, hz: float, group: int, confirmation: int) -> None:
-        self.message_id: Final = message_id
-        self.hz: Final = hz
-        self.group: Final = group
-        self.confirmation: Final = confirmation
-
-    @property
-    def interval_us(self) -> int:
-        """Microseconds from message to message."""
-        return round(1e6 / self.hz)
-
-
-class Stream:
-    """One message that is wanted: what was asked for, what was answered and what arrives.
-
-    group: the MAV_DATA_STREAM that holds the message, -1 for none. answer: a word or two, "" before there is one.
-    achieved_hz: measured, 0 before the first window ends. ceiling_hz: what the autopilot will not exceed, 0: unknown.
-    """
-
-    def __init__(self, message_id: int, name: str, hz: float, group: int) -> None:
-        self.message_id: Final = message_id
-        self.name: Final = name
-        self.hz: Final = hz
-        self.group: Final = group
-        self.window_ns: Final = max(WINDOW_NS, int(MIN_WINDOW_PERIODS * 1e9 / hz))
-        self.answer = ""
-        self.refused = False
-        self.achieved_hz = 0.0
-        self.ceiling_hz = 0.0
-        self.count = 0
-        self.window_began_ns = 0
-        self.low_windows = 0
-        self.good_since_ns = 0
-        self.rate_when_asked = 0.0
-        self.on_trial = False
-        """Asked for again: does the rate change?"""
-        self.pause_ns = FIRST_PAUSE_NS
-        self.ask_again_ns = 0
-
-    def measure_anew(self, now_ns: int) -> None:
-        """Begin a window."""
-        self.count = 0
-        self.window_began_ns = now_ns
-        self.low_windows = 0
-
-    def close_window(self, now_ns: int) -> bool:
-        """Take the rate of a window that has ended; False while none has."""
-        if now_ns - self.window_began_ns < self.window_ns:
-            return False
-        self.achieved_hz = self.count * 1e9 / (now_ns - self.window_began_ns)
-        self.count = 0
-        self.window_began_ns = now_ns
-        if self.achieved_hz > (1.0 + SAME_RATE) * self.ceiling_hz:
-            self.ceiling_hz = 0.0
-        limit = LOW_SHARE * (self.ceiling_hz if self.ceiling_hz > 0.0 else self.hz)
-        self.low_windows = self.low_windows + 1 if self.achieved_hz < limit else 0
-        if self.low_windows > 0:
-            self.good_since_ns = now_ns
-        elif now_ns - self.good_since_ns >= LONGEST_PAUSE_NS:
-            self.pause_ns = FIRST_PAUSE_NS
-        return True
-
-    def unchanged(self) -> bool:
-        """Whether asking again made no difference to the rate."""
-        return self.achieved_hz > 0.0 and abs(self.achieved_hz - self.rate_when_asked) < SAME_RATE * self.achieved_hz
 
 
 class StreamKeeper:
@@ -114,6 +37,8 @@ class StreamKeeper:
 
     def __init__(self, asks: bool, notebook: Notebook) -> None:
         self.streams: list[Stream] = []
+        self.asked: list[int] = []
+        """Ids of all messages that the vehicle was ever asked for."""
         self._asks: Final = asks
         self._notebook: Final = notebook
         self._queue: list[Stream] = []
@@ -125,13 +50,18 @@ class StreamKeeper:
         self._overridden_ns = -OVERRIDE_MEMORY_NS
 
     def begin(self, streams: list[Stream], now_ns: int) -> None:
-        """Forget everything and ask for these: a vehicle was found, or found again."""
+        """Ask for these and nothing else: a vehicle was found, or found again."""
         self.streams = []
         self._queue = []
         self._fallbacks = []
         self._asking = None
         for stream in reversed(streams):
             self.want(stream, now_ns)
+
+    def forget(self) -> None:
+        """There is no vehicle any more, or another one."""
+        self.begin([], 0)
+        self.asked = []
 
     def want(self, stream: Stream, now_ns: int) -> None:
         """Ask for one more message, before all others that wait."""
@@ -210,6 +140,8 @@ class StreamKeeper:
     def _next_try(self, stream: Stream, now_ns: int) -> Order:
         self._ack_due_ns = now_ns + ACK_WAIT_NS
         self._tries += 1
+        if stream.message_id not in self.asked:
+            self.asked.append(stream.message_id)
         return Order(stream.message_id, stream.hz, -1, self._tries - 1)
 
     def _give_up(self, stream: Stream, now_ns: int) -> None:

@@ -6,7 +6,8 @@ from typing import Final
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.imu_choice import ImuChoice, preferred_messages
 from attest_mav.mavlink.notes import Notebook
-from attest_mav.mavlink.stream_keeper import Order, Stream, StreamKeeper
+from attest_mav.mavlink.stream import Order, Stream
+from attest_mav.mavlink.stream_keeper import StreamKeeper
 
 IMU_MESSAGES: Final = ("RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "SCALED_IMU3", "HIGHRES_IMU")
 OTHER_MESSAGES: Final = ("ATTITUDE", "ATTITUDE_QUATERNION", "GPS_RAW_INT", "VFR_HUD", "SYSTEM_TIME")
@@ -70,6 +71,12 @@ class VehicleData:
             messages = list(self._settings.imu_messages) or preferred_messages(autopilot)
             self._choice = ImuChoice(messages, now_ns)
         self.begin(now_ns)
+
+    def forget(self) -> None:
+        """The vehicle is no longer the one that was asked, or there is none."""
+        self._choice = None
+        self._candidate_id = -1
+        self.keeper.forget()
 
     def begin(self, now_ns: int) -> None:
         """Ask for everything from the beginning."""

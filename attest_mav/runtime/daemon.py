@@ -23,7 +23,7 @@ STOP = -1
 class Daemon:
     """Opens the links and runs until SIGINT or SIGTERM.
 
-    LinkError when a link cannot be had, ConfigError when there are several vehicles and none is named.
+    LinkError when a link cannot be had.
     """
 
     def __init__(self, config: Config, find_declination: DeclinationFinder) -> None:
@@ -90,14 +90,17 @@ class Daemon:
                 link.send(frame, now_ns)
 
     def _report(self, now_ns: int) -> None:
-        """Tell systemd and the log. WATCHDOG=1 comes from here alone, and only while estimates are fresh."""
-        if not self._ready and self.service.fresh(now_ns):
+        """Tell systemd and the log. WATCHDOG=1 comes from here alone, and only while estimates are fresh.
+
+        READY waits until the choice of the vehicle stands: after it, a lack of estimates means a restart.
+        """
+        if not self._ready and self.service.fresh(now_ns) and self.service.companion.lock_on.settled(now_ns):
             self._ready = True
             self._next_status_ns = now_ns
             log.info("ready: the first estimate is there")
             self.notifier.ready()
         watchdog_ns = self.notifier.watchdog_ns
-        if watchdog_ns is not None and now_ns >= self._next_alive_ns and self.service.fresh(now_ns):
+        if self._ready and watchdog_ns is not None and now_ns >= self._next_alive_ns and self.service.fresh(now_ns):
             self._next_alive_ns = now_ns + watchdog_ns
             self.notifier.alive()
         if now_ns >= self._next_status_ns:

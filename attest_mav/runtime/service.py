@@ -6,7 +6,7 @@ and the real clock; tests give it a simulated vehicle and a counter.
 
 import logging
 from collections.abc import Callable, Sequence
-from math import isfinite, radians
+from math import isfinite, nan, radians
 
 from attest_mav.config import Config, LinkConfig
 from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
@@ -44,6 +44,7 @@ class Service:
         self.config = config
         ports = [(name, port_settings(link)) for name, link in zip(links, config.link, strict=True)]
         self.companion = Companion(dialect, companion_settings(config), ports, now_ns)
+        self._dialect = dialect
         self.framers = [Framer(dialect, self.companion.wanted) for _ in links]
         self.decoder = Decoder(dialect, config.raw_imu.scales())
         self.pipeline: Pipeline | None = None
@@ -54,6 +55,7 @@ class Service:
         self._declination_deg: float | None = None
         self._declination_place = (0.0, 0.0)
         self._sample_ns = now_ns - 10 * self._stale_ns
+        self._sender = self.companion.sender
         self._told: dict[str, str] = {}
         self._agreement: Agreement | None = None
         self._next_report_ns = now_ns + REPORT_NS
@@ -72,8 +74,12 @@ class Service:
 
     def receive(self, link: int, data: bytes, now_ns: int) -> None:
         """Take bytes that arrived on a link."""
+        companion = self.companion
         for frame in self.framers[link].feed(data, now_ns):
-            if self.companion.handle(link, frame, now_ns):
+            is_data = companion.handle(link, frame, now_ns)
+            if companion.sender != self._sender:
+                self._begin_anew()
+            if is_data:
                 for sample in self.decoder.decode(frame):
                     self._take(sample, now_ns)
             else:
@@ -126,6 +132,14 @@ class Service:
         if self.pipeline is not None:
             self._act(self.pipeline.handle(sample), now_ns)
 
+    def _begin_anew(self) -> None:
+        """Another vehicle, another part of it, or none: what the last one sent says nothing about this one."""
+        self._sender = self.companion.sender
+        self.decoder = Decoder(self._dialect, self.config.raw_imu.scales())
+        self.pipeline = None
+        self._agreement = None
+        self.companion.tell_verdict(nan, nan, nan)
+
     def _begin_pipeline(self, source: str) -> None:
         config = self.config
         self.pipeline = Pipeline(config.pipeline_settings(), [config.filter.build()], [source])
@@ -138,7 +152,8 @@ class Service:
         """Do what the pipeline's events mean."""
         for event in events:
             if isinstance(event, Estimate):
-                self.companion.publish(event, now_ns)
+                if event is self.estimate:  # one that came too late to hold is not sent
+                    self.companion.publish(event, now_ns)
             elif isinstance(event, Verdict):
                 self.due_ns = now_ns
                 self._take_verdict(event)

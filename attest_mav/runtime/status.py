@@ -83,7 +83,7 @@ def _imu_text(service: "Service", hz: float) -> str:
     """The inertial message: asked for, answered, arriving."""
     stream = service.companion.data.imu
     if stream is None:
-        return "no vehicle yet"
+        return service.companion.lock_on.ambiguity or "no vehicle yet"
     asked = f"{stream.name} {hz:.1f} of {stream.hz:g} Hz"
     if not service.decoder.independent.get(stream.name, True):
         asked += ", not independent of the autopilot's filter"

@@ -4,9 +4,7 @@ import math
 
 import pytest
 
-from attest_mav.config import parse_config
-from attest_mav.errors import ConfigError
-from attest_mav.runtime.service import Service
+from attest_mav.mavlink.encoding import Encoder
 from attest_mav.runtime.status import StatusLine
 from attest_mav.sim.settings import PERFECT, Faults, SimSettings
 
@@ -89,8 +87,6 @@ def test_what_is_not_independent_is_said(flight):
 
 
 def test_an_attitude_that_is_held_back_is_said(flight):
-    from attest_mav.mavlink.encoding import Encoder  # noqa: PLC0415
-
     f = flight()
     f.run_until(3.0)
     f.service.receive(0, Encoder(f.vehicle.dialect, 1, 191).heartbeat(18, 8, 0, 4), f.now_ns)
@@ -226,16 +222,53 @@ def test_garbage_is_survived(flight):
     assert f.of_type("ATTITUDE_QUATERNION", 8.0)
 
 
-def test_two_vehicles_end_it_with_a_configuration_error(dialect):
-    from attest_mav.sim.autopilot import FakeAutopilot  # noqa: PLC0415
+def test_with_two_vehicles_nothing_is_sent_until_one_is_left(flight, caplog):
+    f = flight()
+    other = Encoder(f.vehicle.dialect, 2, 1)
+    f.run_until(1.0)
+    assert f.service.estimate is not None
+    for second in range(1, 11):
+        f.service.receive(0, other.heartbeat(2, 3, 0, 4), f.now_ns)
+        f.run_until(second + 1.0)
+    assert f.service.estimate is None
+    assert f.of_type("ATTITUDE_QUATERNION", 1.1) == []
+    assert {beat.system_status for beat in f.of_type("HEARTBEAT", 2.5)} == {BOOT}
+    assert any(record.levelname == "ERROR" and "systems 1 and 2" in record.message for record in caplog.records)
+    line = StatusLine(0).write(f.service, f.now_ns)
+    assert line.startswith("waiting | several vehicles, systems 1 and 2: name one with system_id under [vehicle]")
+    f.run_until(18.0)
+    assert len(f.of_type("ATTITUDE_QUATERNION", 16.0)) == pytest.approx(40, abs=2)
+    assert f.errors_deg(16.0)[0] < 1.0
 
-    config = parse_config("[[link]]\nurl = 'udpin::0'", "test")
-    service = Service(config, ["udpin::0"], dialect, lambda *_: (0.0, ""), 0)
-    vehicles = [FakeAutopilot(SimSettings(system=system), 1, dialect) for system in (1, 2)]
-    first, second = [b"".join(vehicle.frames_until(SECOND)) for vehicle in vehicles]
-    service.receive(0, first, SECOND)
-    with pytest.raises(ConfigError, match="systems 1 and 2"):
-        service.receive(0, second, SECOND)
+
+def test_a_camera_that_claims_an_autopilot_changes_nothing(flight):
+    f, alone = flight(), flight()
+    camera = Encoder(f.vehicle.dialect, 1, 100)
+    for second in range(8):
+        f.service.receive(0, camera.heartbeat(30, 0, 0, 4), f.now_ns)
+        f.run_until(second + 1.0)
+    alone.run_until(8.0)
+    assert f.of_type("ATTITUDE_QUATERNION")
+    assert f.raw == alone.raw
+
+
+def test_the_estimate_of_another_component_is_not_carried_over_to_the_autopilot(flight):
+    """Their inertial messages have the same name, but another sensor, clock and unit stands behind them."""
+    f = flight("[streams]\nimu_messages = ['HIGHRES_IMU']", sim(personality="px4"))
+    other = Encoder(f.vehicle.dialect, 1, 140)
+    for step in range(350):
+        now_ns = step * SECOND // 50
+        if step % 50 == 0:
+            f.service.receive(0, other.heartbeat(2, 0, 0, 4), now_ns)
+        values = {"time_usec": 10**9 + 20_000 * step, "xacc": 9.8, "xmag": 0.2, "zmag": 0.4, "fields_updated": 511}
+        f.service.receive(0, other.message("HIGHRES_IMU", values | {"ygyro": 1e-3 * (step % 2)}), now_ns)
+        f.service.poll(now_ns)
+    before = f.service.pipeline
+    assert before is not None
+    f.now_ns = 7 * SECOND
+    f.service.receive(0, Encoder(f.vehicle.dialect, 1, 1).heartbeat(2, 12, 0, 4), f.now_ns)
+    assert f.service.pipeline is None
+    assert f.service.estimate is None
 
 
 def test_the_status_line_says_it_all(flight):

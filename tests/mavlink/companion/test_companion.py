@@ -3,7 +3,6 @@
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from attest_mav.errors import ConfigError
 from attest_mav.mavlink.companion import ACTIVE, BOOT, Companion, CompanionSettings
 from attest_mav.mavlink.port import PortSettings
 from attest_mav.mavlink.vehicle_data import DataSettings
@@ -166,11 +165,7 @@ def test_a_ground_station_that_asks_for_streams_is_the_suspect(bench):
     assert any("RAW_IMU arrives at 10" in note and "system 255 also asks" in note for note in b.notes)
 
 
-def test_several_vehicles_are_an_error_until_one_is_named(bench):
-    b = bench()
-    b.vehicle_heartbeat(system=1)
-    with pytest.raises(ConfigError):
-        b.vehicle_heartbeat(system=2)
+def test_of_several_vehicles_the_named_one_is_used(bench):
     named = bench(CompanionSettings(vehicle_system=2))
     named.vehicle_heartbeat(system=1)
     named.vehicle_heartbeat(system=2)
@@ -202,10 +197,56 @@ def test_goodbye_is_a_heartbeat_with_poweroff(bench):
 def test_goodbye_sets_the_rates_back_where_configured(bench):
     b = bench(CompanionSettings(data=DataSettings(restores=True)))
     b.vehicle_heartbeat()
-    b.run_until(0.1)
+    for t_s in (0.1, 0.2, 0.3, 0.4):
+        b.run_until(t_s)
+        b.hear(ack(0))
     b.stop()
     restored = [message for message, interval_us, _ in b.interval_requests() if interval_us == 0]
     assert sorted(restored) == sorted([RAW_IMU, ATTITUDE, GPS_RAW_INT, VFR_HUD])
+
+
+def test_goodbye_sets_back_all_that_was_ever_asked_for(bench):
+    """Also what was tried and given up."""
+    settings = DataSettings(restores=True, imu_messages=("HIGHRES_IMU", "RAW_IMU"))
+    b = bench(CompanionSettings(data=settings))
+    b.vehicle_heartbeat()
+    b.run_until(0.05)
+    b.hear(ack(2))
+    b.run_until(0.1)
+    b.stop()
+    requests = b.interval_requests()
+    asked = {message for message, interval_us, _ in requests if interval_us > 0}
+    assert {105, RAW_IMU} <= asked
+    assert {message for message, interval_us, _ in requests if interval_us == 0} == asked
+
+
+def test_when_the_autopilot_proves_to_be_another_one_its_own_messages_are_asked_for(bench):
+    """A companion that claims a generic autopilot was taken; then the autopilot itself is heard."""
+    b = bench()
+    for second in range(5):
+        b.run_until(float(second))
+        b.vehicle_heartbeat(component=140, autopilot=0)
+    b.run_until(4.1)
+    assert {message for message, _, _ in b.interval_requests()} == {105}
+    assert b.companion.sender == (1, 140, 0)
+    b.vehicle_heartbeat(autopilot=3)
+    b.run_until(4.2)
+    assert b.companion.sender == (1, 1, 3)
+    assert b.interval_requests()[-1][0] == RAW_IMU
+    assert b.of_type("COMMAND_LONG")[-1].target_component == 1
+    assert b.hear(raw_imu())
+    assert not b.hear(raw_imu(), component=140)
+
+
+def test_an_autopilot_with_other_firmware_is_asked_for_what_suits_it(bench):
+    b = bench()
+    b.vehicle_heartbeat(autopilot=12)
+    b.run_until(0.1)
+    b.run_until(10.0)
+    b.vehicle_heartbeat(autopilot=3)
+    b.run_until(10.1)
+    assert b.interval_requests()[0][0] == SCALED_IMU
+    assert b.interval_requests()[-1][0] == RAW_IMU
 
 
 def test_any_frame_of_the_dialect_is_survived(dialect):

@@ -1,16 +1,16 @@
 import pytest
 
-from attest_mav.errors import ConfigError
 from attest_mav.mavlink.companion import CompanionSettings
 from attest_mav.mavlink.lock_on import LockOn
 
 SECOND = 1_000_000_000
-COPTER, GCS, CAMERA, ONBOARD = 2, 6, 30, 18
+COPTER, TRACKER, GCS, CAMERA, ONBOARD, ADSB = 2, 5, 6, 30, 18, 27
 ARDUPILOT, GENERIC, INVALID = 3, 0, 8
 
 
 @pytest.mark.parametrize(
-    ("vehicle_type", "autopilot"), [(CAMERA, INVALID), (ONBOARD, INVALID), (GCS, INVALID), (GCS, GENERIC)]
+    ("vehicle_type", "autopilot"),
+    [(CAMERA, INVALID), (ONBOARD, INVALID), (GCS, INVALID), (GCS, GENERIC), (CAMERA, GENERIC), (COPTER, INVALID)],
 )
 def test_what_is_no_autopilot_is_not_taken(notebook, vehicle_type, autopilot):
     lock = LockOn(0, notebook)
@@ -27,11 +27,59 @@ def test_the_first_autopilot_is_taken(notebook):
     assert not lock.heartbeat(3, 7, 1, COPTER, ARDUPILOT, SECOND), "it is known already"
 
 
-def test_a_second_vehicle_at_the_start_is_an_error_that_says_what_to_do(notebook):
+def two_at_the_start(notebook, until_s):
+    """Systems 1 and 2 from the start, once a second."""
     lock = LockOn(0, notebook)
-    lock.heartbeat(0, 1, 1, COPTER, ARDUPILOT, 0)
-    with pytest.raises(ConfigError, match=r"systems 1 and 2: .*system_id under \[vehicle\]"):
-        lock.heartbeat(0, 2, 1, COPTER, ARDUPILOT, SECOND)
+    for t_s in range(until_s):
+        lock.heartbeat(0, 1, 1, COPTER, ARDUPILOT, t_s * SECOND)
+        lock.heartbeat(0, 2, 1, COPTER, ARDUPILOT, t_s * SECOND + SECOND // 2)
+    return lock
+
+
+def test_of_two_vehicles_at_the_start_none_is_taken_and_that_is_said_now_and_then(notebook):
+    lock = two_at_the_start(notebook, 100)
+    assert lock.vehicle is None
+    assert not lock.present
+    said = "several vehicles, systems 1 and 2: name one with system_id under [vehicle]"
+    assert lock.ambiguity == said
+    errors = [note.text for note in notebook.take() if note.level == 40]
+    assert errors == [f"{said} in the configuration; nothing is sent until one is left"] * 2
+
+
+def test_when_one_of_two_vehicles_goes_the_other_is_taken(notebook):
+    lock = two_at_the_start(notebook, 10)
+    taken_s = next(t_s for t_s in range(10, 20) if lock.heartbeat(0, 2, 1, COPTER, ARDUPILOT, t_s * SECOND))
+    assert taken_s == 13, "system 1 was heard at 9 s"
+    assert (lock.vehicle.system, lock.ambiguity) == (2, "")
+
+
+def test_when_both_vehicles_go_nothing_is_said_to_be_there(notebook):
+    lock = two_at_the_start(notebook, 10)
+    lock.poll(14 * SECOND)
+    assert lock.ambiguity == ""
+
+
+@pytest.mark.parametrize("vehicle_type", [CAMERA, ADSB, TRACKER, ONBOARD])
+def test_what_is_no_vehicle_is_no_second_one(notebook, vehicle_type):
+    lock = LockOn(0, notebook)
+    assert not lock.heartbeat(0, 42, 1, vehicle_type, GENERIC, 0)
+    assert lock.heartbeat(0, 1, 1, COPTER, ARDUPILOT, 1)
+    lock.heartbeat(0, 42, 1, vehicle_type, GENERIC, SECOND)
+    assert lock.vehicle.system == 1
+
+
+def test_what_is_named_is_taken_whatever_it_calls_itself(notebook):
+    lock = LockOn(42, notebook)
+    assert not lock.heartbeat(0, 42, 100, CAMERA, GENERIC, 0)
+    assert lock.heartbeat(0, 42, 1, TRACKER, ARDUPILOT, 0)
+
+
+def test_a_claim_without_component_1_is_no_match_for_one_with_it(notebook):
+    lock = LockOn(0, notebook)
+    lock.heartbeat(0, 42, 140, COPTER, GENERIC, 0)
+    assert lock.heartbeat(0, 1, 1, COPTER, ARDUPILOT, SECOND)
+    lock.heartbeat(0, 42, 140, COPTER, GENERIC, 2 * SECOND)
+    assert lock.vehicle.system == 1
 
 
 def test_a_second_vehicle_in_flight_is_reported_once(notebook):
@@ -85,12 +133,34 @@ def test_a_broken_link_asks_for_a_fresh_heartbeat(notebook):
     assert lock.heartbeat(0, 1, 1, COPTER, ARDUPILOT, 1)
 
 
-def test_component_1_is_preferred_to_another_autopilot_of_the_system(notebook):
+def other_component(lock, from_s, to_s, link=0):
+    """When component 140 was taken for the vehicle, None if never; it sends every second."""
+    return next((t for t in range(from_s, to_s) if lock.heartbeat(link, 1, 140, COPTER, GENERIC, t * SECOND)), None)
+
+
+def test_another_component_is_believed_once_component_1_was_waited_for(notebook):
     lock = LockOn(0, notebook)
-    lock.heartbeat(0, 1, 140, COPTER, ARDUPILOT, 0)
-    assert lock.heartbeat(0, 1, 1, COPTER, ARDUPILOT, 1)
-    assert lock.vehicle.component == 1
-    assert not lock.heartbeat(0, 1, 140, COPTER, ARDUPILOT, 2)
+    assert other_component(lock, 0, 10) == 3
+    assert lock.vehicle.component == 140
+
+
+@pytest.mark.parametrize("link", [0, 1])
+def test_component_1_takes_over_from_another_on_any_link(notebook, link):
+    lock = LockOn(0, notebook)
+    other_component(lock, 0, 10)
+    assert lock.heartbeat(link, 1, 1, COPTER, ARDUPILOT, 10 * SECOND)
+    assert (lock.vehicle.component, lock.vehicle.link) == (1, link)
+    assert lock.present
+
+
+@pytest.mark.parametrize("link", [0, 1])
+def test_nothing_takes_over_from_component_1_not_even_while_it_is_silent(notebook, link):
+    lock = LockOn(0, notebook)
+    lock.heartbeat(0, 1, 1, COPTER, ARDUPILOT, 0)
+    lock.poll(lock.next_deadline_ns)
+    assert other_component(lock, 4, 30, link) is None
+    assert not lock.present, "another component's heartbeats are not the autopilot's"
+    assert lock.heartbeat(0, 1, 1, COPTER, ARDUPILOT, 30 * SECOND)
 
 
 def test_no_request_before_the_heartbeat_nor_after_a_break(bench):

@@ -2,12 +2,12 @@
 
 import pytest
 
+from attest_mav.mavlink.stream import Stream
 from attest_mav.mavlink.stream_keeper import (
     ACCEPTED,
     DENIED,
     TEMPORARILY_REJECTED,
     UNSUPPORTED,
-    Stream,
     StreamKeeper,
 )
 
