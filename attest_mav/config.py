@@ -17,12 +17,12 @@ from attest_mav.estimation.aiding import AidSettings
 from attest_mav.estimation.pipeline import PipelineSettings
 from attest_mav.estimation.verdict import VerdictSettings
 from attest_mav.filter_config import FilterConfig
-from attest_mav.link_url import parse_link
+from attest_mav.link_url import LinkUrl, Scheme, parse_link
 from attest_mav.mavlink.units import RawScales
 
 SystemId = Annotated[int, Meta(ge=0, le=255)]
 ComponentId = Annotated[int, Meta(ge=1, le=255)]
-RateHz = Annotated[float, Meta(gt=0.0, le=1000.0)]
+RateHz = Annotated[float, Meta(ge=0.01, le=1000.0)]
 Seconds = Annotated[float, Meta(ge=0.1, le=3600.0)]
 Scale = Annotated[float, Meta(ge=0.0, le=1.0)]
 ImuMessage = Literal["RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "SCALED_IMU3", "HIGHRES_IMU"]
@@ -31,6 +31,10 @@ SpeedSource = Literal[
 ]
 VelocitySource = Literal["GPS_RAW_INT", "GLOBAL_POSITION_INT", "LOCAL_POSITION_NED", "none"]
 Output = Literal["attitude_quaternion", "attitude_quaternion_cov", "named_values"]
+
+TAKEN_COMPONENTS = {1: "the autopilot", 190: "ground stations"}
+TAKEN_SYSTEMS = {255: "ground stations"}
+"""Ids that are not ours to use: autopilots and their failsafes take whoever has them for their owner."""
 
 
 class _Record(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -150,26 +154,54 @@ class Config(_Record, frozen=True):
 def parse_config(text: str, name: str) -> Config:
     """Check the TOML ``text`` of the file ``name``; ConfigError says in one line what is wrong with which key."""
     try:
+        config = _read(text, name)
+    except RecursionError:
+        raise ConfigError(f"{name}: nested too deeply; expected tables with values in them") from None
+    _check_links(config, name)
+    _check_ids(config.output, name)
+    if (config.raw_imu.accel_mps2 == 0.0) != (config.raw_imu.gyro_radps == 0.0):
+        raise ConfigError(f"{name}: raw_imu: accel_mps2 and gyro_radps go together; give both or neither")
+    return config
+
+
+def _read(text: str, name: str) -> Config:
+    """Text to records; ConfigError. RecursionError when it is nested deeper than Python's stack."""
+    try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise ConfigError(f"{name}: not valid TOML: {error}") from None
     try:
         check_keys(data, Config, "")
         check_no_nan(data, "")
-        config = msgspec.convert(data, Config)
+        return msgspec.convert(data, Config)
     except msgspec.ValidationError as error:
         raise ConfigError(f"{name}: {readable(str(error), data, Config)}") from None
     except ValueError as error:
         raise ConfigError(f"{name}: {error}") from None
-    _check_links(config, name)
-    if (config.raw_imu.accel_mps2 == 0.0) != (config.raw_imu.gyro_radps == 0.0):
-        raise ConfigError(f"{name}: raw_imu: accel_mps2 and gyro_radps go together; give both or neither")
-    return config
 
 
 def _check_links(config: Config, name: str) -> None:
     for index, link in enumerate(config.link):
         try:
-            parse_link(link.url)
+            _check_scenario(parse_link(link.url))
         except UsageError as error:
             raise ConfigError(f"{name}: link[{index}].url: {error}") from None
+
+
+def _check_scenario(url: LinkUrl) -> None:
+    """UsageError for a simulation that does not exist."""
+    if url.scheme is Scheme.SIM and url.scenario:
+        # Imported here: a real vehicle needs no simulation.
+        from attest_mav.sim.scenarios import check_scenario  # noqa: PLC0415
+
+        check_scenario(url.scenario)
+
+
+def _check_ids(output: OutputConfig, name: str) -> None:
+    """ConfigError for ids under which we would be taken for somebody else."""
+    for key, value, taken in (
+        ("component_id", output.component_id, TAKEN_COMPONENTS),
+        ("system_id", output.system_id, TAKEN_SYSTEMS),
+    ):
+        if value in taken:
+            raise ConfigError(f"{name}: output.{key}: {value} belongs to {taken[value]}; choose another, such as 193")

@@ -24,8 +24,15 @@ from attest_mav.sim.trajectory import Still, Trajectory
 SCENARIOS: Final = ("still", "hover", "coordinated-turns", "square", "tumbling")
 
 
+def check_scenario(name: str) -> None:
+    """UsageError lists the names there are, unless this is one of them."""
+    if name not in SCENARIOS:
+        raise UsageError(f"unknown scenario {name[:40]!r}: expected one of {', '.join(SCENARIOS)}")
+
+
 def make_trajectory(name: str, seed: int) -> Trajectory:
     """The trajectory of that name; UsageError lists the names there are. Only ``hover`` depends on the seed."""
+    check_scenario(name)
     if name == "still":
         return Still()
     if name == "hover":
@@ -34,6 +41,4 @@ def make_trajectory(name: str, seed: int) -> Trajectory:
         return CoordinatedTurns()
     if name == "square":
         return Square()
-    if name == "tumbling":
-        return Tumbling()
-    raise UsageError(f"unknown scenario {name[:40]!r}: expected one of {', '.join(SCENARIOS)}")
+    return Tumbling()
