@@ -90,11 +90,8 @@ class Daemon:
                 link.send(frame, now_ns)
 
     def _report(self, now_ns: int) -> None:
-        """Tell systemd and the log. WATCHDOG=1 comes from here alone, and only while estimates are fresh.
-
-        READY waits until the choice of the vehicle stands: after it, a lack of estimates means a restart.
-        """
-        if not self._ready and self.service.fresh(now_ns) and self.service.companion.lock_on.settled(now_ns):
+        """Tell systemd and the log. WATCHDOG=1 comes from here alone, and only while estimates are fresh."""
+        if not self._ready and self.service.fresh(now_ns):
             self._ready = True
             self._next_status_ns = now_ns
             log.info("ready: the first estimate is there")
