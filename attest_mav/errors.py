@@ -5,6 +5,7 @@
     AttestMavError
      +-- UsageError          2   an argument that cannot be meant
      +-- UnreadableDataError 65  a file that is missing, empty, or not what it should be
+     +-- UnwritableError     65  a result that cannot be written
      +-- LinkError           69  a port or device that cannot be opened
      +-- ConfigError         78  a configuration key or value
 
@@ -27,6 +28,12 @@ class UsageError(AttestMavError):
 
 class UnreadableDataError(AttestMavError):
     """A file cannot be read as what it is supposed to be."""
+
+    exit_code = 65
+
+
+class UnwritableError(AttestMavError):
+    """A result cannot be written where it was to go."""
 
     exit_code = 65
 

@@ -8,6 +8,7 @@ import click
 
 from attest_mav.errors import UsageError
 from attest_mav.runtime.files import atomic_write
+from attest_mav.runtime.stop_signals import ignore_interrupts
 
 if TYPE_CHECKING:
     from attest_mav.evaluation.figures import PaperFigure
@@ -71,7 +72,7 @@ def draw(drawings: "list[PaperFigure]", folder: Path, seed: int, workers: int | 
     """Draw each figure into a PNG file of its name."""
     from attest_mav.evaluation.harness import processes  # noqa: PLC0415 - with it comes multiprocessing
 
-    with processes(workers) as trial_map:
+    with processes(workers, ignore_interrupts) as trial_map:
         for figure in drawings:
             path = folder / f"{figure.name}.png"
             with atomic_write(path) as file:
@@ -86,7 +87,7 @@ def measure(chosen: "list[Scenario]", runs: int | None, seed: int, workers: int 
     from attest_mav.evaluation.harness import processes  # noqa: PLC0415 - with it comes multiprocessing
 
     outcomes = []
-    with processes(workers) as trial_map, Console(stderr=True).status("") as status:
+    with processes(workers, ignore_interrupts) as trial_map, Console(stderr=True).status("") as status:
         for scenario in chosen:
             status.update(f"{scenario.id}: {scenario.title}")
             outcomes.append(scenario.evaluate(runs, seed, trial_map))
@@ -109,9 +110,11 @@ def show(outcomes: "list[Outcome]") -> None:
         for name in outcome.measured:
             table.add_row("", f"  {name}", *figures(outcome, name))
     console = Console()
-    console.print(table)
     passed = sum(outcome.passed for outcome in outcomes)
-    console.print(f"{passed} of {len(outcomes)} within their bounds, seed {outcomes[0].seed}", highlight=False)
+    with console.capture() as capture:  # rich would end the process itself where nobody reads
+        console.print(table)
+        console.print(f"{passed} of {len(outcomes)} within their bounds, seed {outcomes[0].seed}", highlight=False)
+    click.echo(capture.get(), nl=False)
 
 
 def figures(outcome: "Outcome", name: str) -> list[str]:

@@ -1,5 +1,6 @@
 """``attest-mav``: the command group. Each command lives in a module of its own and is imported when it is used."""
 
+import errno
 import sys
 from importlib import import_module
 from typing import Final
@@ -7,7 +8,8 @@ from typing import Final
 import click
 
 import attest_mav.algebra
-from attest_mav.errors import AttestMavError
+from attest_mav.errors import AttestMavError, UnwritableError
+from attest_mav.runtime.files import give_up_stdout
 
 COMMANDS: Final = {
     "run": "The daemon: inertial messages in, ATTITUDE_QUATERNION and a verdict out.",
@@ -17,6 +19,12 @@ COMMANDS: Final = {
     "config": "Check a configuration file, or show the effective one.",
 }
 """Each is the ``command`` of the module of the same name; the help is here so that listing them imports none."""
+
+READER_LEFT: Final = 141
+INTERRUPTED: Final = 130
+"""What a shell gives for a process that SIGPIPE or SIGINT has ended: the reader of a pipe left, or Ctrl-C."""
+FULL: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+"""What only standard output can still run into here: files and links turn their errors into words themselves."""
 
 
 class LazyGroup(click.Group):
@@ -51,7 +59,11 @@ def version_text() -> str:
     """Version and build kind, as ``--version`` prints them."""
     from importlib import metadata  # noqa: PLC0415  (40 ms that no other command needs)
 
-    return f"attest-mav {metadata.version('attest-mav')} ({build_kind()})"
+    try:
+        version = metadata.version("attest-mav")
+    except metadata.PackageNotFoundError:  # a source tree that was never installed
+        version = "unknown"
+    return f"attest-mav {version} ({build_kind()})"
 
 
 def show_version(ctx: click.Context, _parameter: click.Parameter, wanted: bool) -> None:
@@ -68,9 +80,42 @@ def group() -> None:
 
 
 def main() -> None:
-    """Entry point: errors meant for the user become one line and their exit code."""
+    """Entry point: errors meant for the user become one line and their exit code.
+
+    click's own ``main`` is not used: it ends with 1 when a reader leaves or the user interrupts, which means something
+    else here.
+    """
     try:
-        group(prog_name="attest-mav")
+        code = run(sys.argv[1:])
+    except BrokenPipeError:
+        give_up_stdout()
+        code = READER_LEFT
+    except KeyboardInterrupt:
+        code = INTERRUPTED
     except AttestMavError as error:
-        click.echo(f"attest-mav: error: {error}", err=True)
-        sys.exit(error.exit_code)
+        code = report(error)
+    except OSError as error:
+        if error.errno not in FULL:
+            raise
+        give_up_stdout()
+        code = report(UnwritableError(f"cannot write standard output: {error.strerror}"))
+    sys.exit(code)
+
+
+def run(arguments: list[str]) -> int:
+    """Run the command; its exit code."""
+    try:
+        with group.make_context("attest-mav", arguments) as ctx:
+            group.invoke(ctx)
+    except click.exceptions.Exit as end:
+        return end.exit_code
+    except click.ClickException as error:
+        error.show()
+        return error.exit_code
+    return 0
+
+
+def report(error: AttestMavError) -> int:
+    """Say what is wrong in one line; the exit code."""
+    click.echo(f"attest-mav: error: {error}", err=True)
+    return error.exit_code

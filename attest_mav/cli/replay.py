@@ -12,7 +12,7 @@ from typing import Any, Final
 import click
 
 from attest_mav.cli.progress import ProgressBar
-from attest_mav.errors import AttestMavError, UnreadableDataError, UsageError
+from attest_mav.errors import AttestMavError, UnreadableDataError, UnwritableError, UsageError
 from attest_mav.evaluation.replay.engine import Outputs, Request, replay
 from attest_mav.evaluation.replay.flight import Window
 from attest_mav.evaluation.replay.plan import check_names
@@ -95,6 +95,8 @@ def _replay_all(logs: tuple[str, ...], request: Request, outputs: Outputs, json_
     for name in logs:
         try:
             report = _replay_one(name, dialect, request, outputs)
+        except UnwritableError:
+            raise
         except AttestMavError as error:
             click.echo(f"attest-mav: error: {error}", err=True)
             exit_code = error.exit_code
@@ -169,6 +171,7 @@ def _is_same_file(one: Path, other: Path) -> bool:
 def _csv_rows(path: str) -> Iterator[RowWriter]:
     """Rows into a file that appears when all of them are written."""
     with atomic_write(path) as file:
-        text = TextIOWrapper(file, encoding="utf-8", newline="")
+        # The name of a log need not be text; its bytes come out as they are.
+        text = TextIOWrapper(file, encoding="utf-8", errors="surrogateescape", newline="")
         yield RowWriter(text)
         text.detach()

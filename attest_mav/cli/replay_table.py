@@ -3,6 +3,7 @@
 from math import floor, log10
 from typing import Any
 
+import click
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
@@ -16,10 +17,12 @@ def print_report(report: dict[str, Any]) -> None:
     console = Console(markup=False, highlight=False, emoji=False)
     if not console.is_terminal:
         console = Console(markup=False, highlight=False, emoji=False, width=PIPE_COLUMNS)
-    console.print(report["log"], style="bold")
-    for label, text in _facts(report):
-        console.print(f"  {label:<10} {text}", soft_wrap=True)
-    console.print(_table(report))
+    with console.capture() as capture:  # rich would end the process itself where nobody reads
+        console.print(click.format_filename(report["log"]), style="bold")
+        for label, text in _facts(report):
+            console.print(f"  {label:<10} {text}", soft_wrap=True)
+        console.print(_table(report))
+    click.echo(capture.get(), nl=False)
 
 
 def _facts(report: dict[str, Any]) -> list[tuple[str, str]]:

@@ -94,13 +94,19 @@ class Scenario:
 
 
 @contextmanager
-def processes(workers: int | None) -> Iterator[TrialMap]:
+def processes(workers: int | None, prepare: Callable[[], object] | None = None) -> Iterator[TrialMap]:
     """A map over that many processes (None: one a core); with one worker, the built-in map.
+
+    prepare: called first in each process.
 
     Processes are spawned, not forked: a fork would copy the threads and locks of whoever shows the progress.
     """
     if workers == 1:
         yield map
         return
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        yield pool.map
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=prepare) as pool:
+        try:
+            yield pool.map
+        except BaseException:  # Ctrl-C: what waits would otherwise be worked off first
+            pool.shutdown(cancel_futures=True)
+            raise

@@ -3,13 +3,19 @@
 import mmap
 import os
 import stat
+import sys
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from io import BufferedWriter, FileIO
 from pathlib import Path
-from typing import IO
+from types import TracebackType
+from typing import IO, TYPE_CHECKING, Self
 
-from attest_mav.errors import ConfigError, UnreadableDataError
+from attest_mav.errors import ConfigError, UnreadableDataError, UnwritableError
+
+if TYPE_CHECKING:
+    from _typeshed import ReadableBuffer
 
 MAX_CONFIG_BYTES = 1 << 20
 """A configuration of more than this is something else."""
@@ -56,26 +62,75 @@ def atomic_write(path: str | Path) -> Iterator[IO[bytes]]:
     """A file object whose contents appear under ``path`` when the block ends well, and not at all when it does not.
 
     The bytes go into a temporary file beside ``path``, which then takes its name. A target that is no regular file
-    (a pipe, /dev/stdout) is written directly: there is nothing to replace.
+    (a pipe, /dev/stdout) is written directly: there is nothing to replace. UnwritableError when the file itself cannot
+    be written; other errors of the block pass through, and so does BrokenPipeError: a reader that left is no failure.
     """
     target = Path(path)
+    with _blaming(target):
+        is_special = target.exists() and not target.is_file() and not target.is_dir()
+        descriptor, name = (os.open(target, os.O_WRONLY), "") if is_special else _temporary_beside(target)
     try:
-        if target.exists() and not target.is_file() and not target.is_dir():
-            with target.open("wb") as direct:
-                yield direct
-            return
-        with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name[:100]}.", delete=False) as file:
-            temporary = Path(file.name)
-            try:
-                yield file
-                file.flush()
-                os.fchmod(file.fileno(), _mode_of_new_files())
-                temporary.replace(target)
-            except BaseException:
-                temporary.unlink(missing_ok=True)
-                raise
+        with _Blamed(FileIO(descriptor, "wb"), target) as file:
+            yield file
+        if name:
+            with _blaming(target):
+                Path(name).replace(target)
+    except BaseException:
+        if name:
+            Path(name).unlink(missing_ok=True)
+        raise
+
+
+def _temporary_beside(target: Path) -> tuple[int, str]:
+    """Descriptor and name of a new file in the same folder, with the permissions of any new file."""
+    descriptor, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name[:100]}.")
+    os.fchmod(descriptor, _mode_of_new_files())
+    return descriptor, name
+
+
+class _Blamed(BufferedWriter):
+    """A file for writing whose errors name it. When its block fails, what is still buffered is dropped."""
+
+    def __init__(self, raw: FileIO, target: Path) -> None:
+        super().__init__(raw)
+        self._target = target
+
+    def write(self, data: "ReadableBuffer", /) -> int:
+        with _blaming(self._target):
+            return super().write(data)
+
+    def flush(self) -> None:
+        with _blaming(self._target):
+            super().flush()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is not None:
+            self.raw.close()
+        self.close()
+
+
+@contextmanager
+def _blaming(target: Path) -> Iterator[None]:
+    """An OSError of this block becomes one line about the file."""
+    try:
+        yield
+    except BrokenPipeError:
+        raise
     except OSError as error:
-        raise UnreadableDataError(f"cannot write {path}: {_reason(error)}") from None
+        raise UnwritableError(f"cannot write {target}: {_reason(error)}") from None
+
+
+def give_up_stdout() -> None:
+    """Send what standard output still holds nowhere: Python would try again at the end, and complain."""
+    with suppress(OSError, ValueError, AttributeError):  # closed already, or no real file
+        sink = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(sink, sys.stdout.fileno())
+        os.close(sink)
 
 
 def _mode_of_new_files() -> int:

@@ -3,7 +3,7 @@ import stat
 
 import pytest
 
-from attest_mav.errors import ConfigError, UnreadableDataError
+from attest_mav.errors import ConfigError, UnreadableDataError, UnwritableError
 from attest_mav.runtime.files import atomic_write, open_log, read_config
 
 
@@ -68,8 +68,36 @@ def test_a_failure_leaves_the_old_file_and_no_other(tmp_path):
 
 @pytest.mark.parametrize(("name", "said"), [("missing/out.csv", "no such file"), (".", "directory")])
 def test_a_place_that_cannot_be_written_says_why(tmp_path, name, said):
-    with pytest.raises(UnreadableDataError, match=said), atomic_write(tmp_path / name) as file:
+    with pytest.raises(UnwritableError, match=said), atomic_write(tmp_path / name) as file:
         file.write(b"x")
+
+
+def test_a_full_disk_is_blamed_on_the_file():
+    with (
+        pytest.raises(UnwritableError, match="cannot write /dev/full: No space left"),
+        atomic_write("/dev/full") as file,
+    ):
+        file.write(b"x" * 100_000)
+    with (
+        pytest.raises(UnwritableError, match="cannot write /dev/full: No space left"),
+        atomic_write("/dev/full") as file,
+    ):
+        file.write(b"less than the buffer holds")
+
+
+def test_errors_of_others_are_not_blamed_on_the_file(tmp_path):
+    foreign = tmp_path / "is not there"
+    with pytest.raises(FileNotFoundError, match="is not there"), atomic_write(tmp_path / "out.csv"):
+        foreign.read_bytes()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_reader_that_leaves_is_no_failure_of_the_file(tmp_path):
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    with pytest.raises(BrokenPipeError), atomic_write(path) as file:
+        file.write(os.close(reader) or b"x" * 100_000)
 
 
 def test_a_pipe_is_written_directly(tmp_path):
