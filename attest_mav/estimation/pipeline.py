@@ -120,23 +120,22 @@ class Pipeline:
             for known in self._newest.values():
                 lane.aiding.take(known)
             self.lanes[source] = lane
+        taken = lane.samples
         events = lane.handle(sample)
-        if source == self._sources[0]:
-            self._follow_primary(lane, events)
+        if source == self._sources[0] and lane.samples > taken:
+            self._follow_primary(events)
         return events
 
-    def _follow_primary(self, lane: Lane, events: list[Event]) -> None:
-        """Take over the first filter's new estimate, or forget the old one when the lane aligns again."""
-        if not lane.aligned:
-            self.estimate = None
-            self._judge.forget_estimate()
-            return
+    def _follow_primary(self, events: list[Event]) -> None:
+        """Take over the first filter's new estimate; there is none while it aligns."""
         for event in events:
-            if isinstance(event, Estimate):
+            if isinstance(event, Estimate) and event.filter_name == self._filters[0].name:
                 if event.delay_s <= self._settings.stale_s:
                     self.estimate = event
                     self._judge.take_estimate(event)
                 return
+        self.estimate = None
+        self._judge.forget_estimate()
 
     def _handle_attitude(self, sample: AttitudeSample) -> list[Event]:
         """Judge the autopilot's attitude: ATTITUDE_QUATERNION where it arrives, else ATTITUDE."""

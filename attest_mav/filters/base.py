@@ -20,7 +20,8 @@ class Start:
     """Where a filter begins: the outcome of alignment.
 
     q_nb: body to NED, heading as ``north`` says. gyro_bias: rad/s, zero if the vehicle was not still.
-    accel, mag: the averaged readings behind it (m/s^2; gauss or None). at_rest: whether the vehicle was still.
+    accel, mag: the averaged readings behind it (m/s^2; gauss or None). at_rest: whether the vehicle stood, as
+    far as can be told.
     """
 
     def __init__(
@@ -42,7 +43,8 @@ class Aids:
     one over ground, None while none is fresh enough, with ``velocity_fresh`` as above. airspeed: m/s. heading: from
     another source than the magnetometer, rad from the filter's north; finite only on the samples that carry one.
     side_speed, down_speed: along the body's y and z at the instant of forward_speed, m/s; 0 for a vehicle that goes
-    where it points, NaN for one that does not and whose sideways motion is not known.
+    where it points, NaN for one that does not and whose sideways motion is not known. inclination: of the Earth's field
+    below the horizontal, rad.
     """
 
     def __init__(
@@ -59,6 +61,7 @@ class Aids:
         heading: float = nan,
         side_speed: float = 0.0,
         down_speed: float = 0.0,
+        inclination: float = nan,
     ) -> None:
         self.forward_speed: Final = forward_speed
         self.forward_speed_fresh: Final = forward_speed_fresh
@@ -72,6 +75,7 @@ class Aids:
         self.heading: Final = heading
         self.side_speed: Final = side_speed
         self.down_speed: Final = down_speed
+        self.inclination: Final = inclination
 
 
 @mypyc_attr(acyclic=True)  # floats and flags form no cycles; compiled, a state is made faster without the collector
@@ -98,6 +102,16 @@ class FilterState:
         self.tilt_sigma: Final = tilt_sigma
         self.heading_sigma: Final = heading_sigma
 
+    @property
+    def aligned(self) -> bool:
+        """False while a filter that aligns itself has no attitude yet: ``q_nb`` is then not to be shown."""
+        return True
+
+    @property
+    def referred_to(self) -> North | None:
+        """What the heading refers to; None where the filter leaves that to its caller."""
+        return None
+
 
 class AttitudeFilter:
     """The protocol. Subclasses are frozen dataclasses of parameters.
@@ -110,6 +124,11 @@ class AttitudeFilter:
     @abstractmethod
     def name(self) -> str:
         """The name users type, for example ``gradient-descent``."""
+
+    @property
+    def aligns_itself(self) -> bool:
+        """True for a filter that takes any sample for a start, and steps of more than a second: it aligns by itself."""
+        return False
 
     @abstractmethod
     def initial(self, start: Start) -> FilterState:
