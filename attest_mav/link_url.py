@@ -82,6 +82,8 @@ def _serial(text: str, rest: str) -> LinkUrl:
         if found and tail.isdecimal():
             device, baud = head, int(tail[:9])
             break
+        if found and separator == ",":
+            raise UsageError(f"link {text!r}: baud rate {tail!r}: expected a number, such as {DEFAULT_BAUD}")
     if not device:
         raise UsageError(f"link {text!r}: no device; expected for example serial:/dev/ttyAMA0:921600")
     if not MIN_BAUD <= baud <= MAX_BAUD:

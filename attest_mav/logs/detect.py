@@ -9,6 +9,9 @@ LogFormat = Literal["tlog", "dataflash", "ulog"]
 HEAD_BYTES: Final = 65536
 """How much of a file ``detect_format`` wants to see; less will do where the file is shorter."""
 
+EXPECTED: Final = "a tlog, a DataFlash log (.bin) or a ULog"
+"""What a log can be."""
+
 _DATAFLASH: Final = b"\xa3\x95"
 _ULOG: Final = b"ULog\x01\x12\x35"
 _STRANGERS: Final = (
@@ -36,13 +39,17 @@ def detect_format(head: bytes) -> LogFormat | None:
 
 
 def require_format(head: bytes, name: str) -> LogFormat:
-    """The same, or UnreadableDataError that says what the file ``name`` is instead."""
+    """The same, or UnreadableDataError that says what the file ``name`` is instead.
+
+    What is nothing else that is known may be a tlog with a damaged beginning: reading all of it will tell.
+    """
     if not head:
         raise UnreadableDataError(f"{name}: the file is empty")
     found = detect_format(head)
-    if found is None:
-        raise UnreadableDataError(f"{name}: {_what_it_is(head)}; expected a tlog, a DataFlash log (.bin) or a ULog")
-    return found
+    stranger = _what_it_is(head) if found is None else ""
+    if stranger:
+        raise UnreadableDataError(f"{name}: this is {stranger}; expected {EXPECTED}")
+    return found or "tlog"
 
 
 def _is_tlog(head: bytes) -> bool:
@@ -76,11 +83,11 @@ def _frame_end(data: bytes, frame: int) -> int:
 
 
 def _what_it_is(head: bytes) -> str:
-    """A guess in words."""
+    """A guess in words, empty when there is none."""
     for magic, words in _STRANGERS:
         if head.startswith(magic):
-            return f"this is {words}"
+            return words
     first = _frame_end(head, 0)
     if first and _frame_end(head, first):
-        return "this is a bare MAVLink stream, without the time stamps of a tlog"
-    return "this is no log that is known here"
+        return "a bare MAVLink stream, without the time stamps of a tlog"
+    return ""

@@ -26,6 +26,14 @@ from attest_mav.mavlink.readers import (
 from attest_mav.mavlink.units import RawScales
 from attest_mav.types import Sample
 
+MAGNETOMETER: Final = " magnetometer"
+"""Marks the refusal of a message's field alone."""
+
+
+def of_message(name: str) -> tuple[str, str]:
+    """The keys of ``Decoder.refusals`` that are about the message of that name, and not about one like it."""
+    return (name, name + MAGNETOMETER)
+
 
 class Decoder:
     """Turns frames into samples; learns on the way which autopilot each system has.
@@ -79,7 +87,7 @@ class Decoder:
             if lane.refusal:
                 reasons[lane.source] = lane.refusal
             if lane.field_refusal:
-                reasons[f"{lane.source} magnetometer"] = lane.field_refusal
+                reasons[lane.source + MAGNETOMETER] = lane.field_refusal
         return reasons
 
     @property

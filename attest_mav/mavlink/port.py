@@ -139,13 +139,13 @@ class Port:
 
     def put_attitude(self, estimate: Estimate) -> None:
         """ATTITUDE_QUATERNION with the time of the IMU sample, unless the estimate is none."""
-        if _sound(estimate):
+        if is_sound(estimate):
             self.attitudes_sent += 1
             self.put(self.encoder.attitude_quaternion(boot_ms(estimate.t_ns), estimate.q_nb, estimate.rates))
 
     def put_covariance(self, estimate: Estimate) -> None:
         """ATTITUDE_QUATERNION_COV; the covariance is marked unknown where the filter has none."""
-        if not _sound(estimate):
+        if not is_sound(estimate):
             return
         tilt, heading = estimate.tilt_sigma, estimate.heading_sigma
         covariance = COVARIANCE_UNKNOWN
@@ -171,6 +171,6 @@ def boot_ms(t_ns: int) -> int:
     return (t_ns // 1_000_000) & 0xFFFFFFFF
 
 
-def _sound(estimate: Estimate) -> bool:
+def is_sound(estimate: Estimate) -> bool:
     """Whether it is a finite unit quaternion with finite rates: nothing else is ever sent."""
     return abs(q_norm(estimate.q_nb) - 1.0) < 1e-3 and is_finite(estimate.rates) and norm(estimate.rates) < MAX_RATE

@@ -1,7 +1,7 @@
 """One reader for each kind of message but the inertial ones: payload to samples, in SI units and radians."""
 
 from abc import abstractmethod
-from math import cos, isfinite, radians, sin
+from math import cos, isfinite, nan, radians, sin
 from typing import Final
 
 from attest_mav.algebra import is_finite, q_from_euler, q_mul, q_norm, q_unit, rotate_back
@@ -201,7 +201,7 @@ class VelocityReader(Reader):
 
 
 class HudReader(Reader):
-    """VFR_HUD: airspeed, groundspeed, climb."""
+    """VFR_HUD: airspeed, groundspeed, climb; NaN for one that the autopilot does not know."""
 
     def __init__(self, dialect: Dialect) -> None:
         super().__init__("VFR_HUD")
@@ -209,9 +209,10 @@ class HudReader(Reader):
 
     def read(self, frame: Frame) -> list[Sample]:
         """One AirDataSample."""
-        airspeed, groundspeed, climb = self._fields.unpack(frame.payload)
-        if not isfinite(airspeed + groundspeed + climb):
-            return self.refuse(frame, "a speed is not finite")
+        values = self._fields.unpack(frame.payload)
+        airspeed, groundspeed, climb = finite_or_nan(values[0]), finite_or_nan(values[1]), finite_or_nan(values[2])
+        if not (isfinite(airspeed) or isfinite(groundspeed) or isfinite(climb)):
+            return self.refuse(frame, "none of its speeds is finite")
         return [AirDataSample(self.name, frame.system, frame.component, frame.rx_ns, airspeed, groundspeed, climb)]
 
 
@@ -229,6 +230,11 @@ class ClockReader(Reader):
         self._boot_clock.learn(frame.system, unix_us, boot_ms)
         t_ns: int = boot_ms * 1_000_000
         return [ClockSample(self.name, frame.system, frame.component, t_ns, frame.rx_ns, unix_us)]
+
+
+def finite_or_nan(value: float) -> float:
+    """The value, NaN for an infinite one too."""
+    return value if isfinite(value) else nan
 
 
 def is_attitude(q: Quat) -> bool:

@@ -13,6 +13,7 @@ to forget the beginning of a frame. ``send`` takes whole messages: one that does
 dropped whole and counted, so that a slow link never tears a message or delivers old ones.
 """
 
+import errno
 import logging
 import socket
 from abc import ABC, abstractmethod
@@ -142,9 +143,13 @@ def resolve(url: LinkUrl, kind: socket.SocketKind) -> tuple[socket.AddressFamily
 
 def bind_error(url: LinkUrl, error: OSError) -> LinkError:
     """One line for a listener that cannot be had."""
-    return LinkError(
-        f"cannot listen on {url}: {error.strerror or error}; stop the program that has the port, or choose another"
-    )
+    advice = {
+        errno.EADDRINUSE: "stop the program that has the port, or choose another",
+        errno.EADDRNOTAVAIL: "this machine does not have the address; give one of its own, or 0.0.0.0 for all of them",
+        errno.EACCES: "ports below 1024 are the superuser's; choose a higher one",
+    }
+    what_to_do = advice.get(error.errno or 0, "check address and port")
+    return LinkError(f"cannot listen on {url}: {error.strerror or error}; {what_to_do}")
 
 
 def bound_url(url: LinkUrl, sock: socket.socket) -> str:

@@ -98,7 +98,12 @@ class SerialLink(Link):
 
         pyserial's lock holds off programs that ask for one, TIOCEXCL the rest (but not the superuser).
         """
-        port = serial.Serial(self.device, self.baud, timeout=0, write_timeout=0, exclusive=True)
+        try:
+            port = serial.Serial(self.device, self.baud, timeout=0, write_timeout=0, exclusive=True)
+        except serial.SerialException as error:
+            if isinstance(error.__context__, termios.error):  # pyserial leaves out the errno of this one alone
+                raise OSError(*error.__context__.args) from None
+            raise
         try:
             fcntl.ioctl(port.fileno(), termios.TIOCEXCL)
             _tell_silence_from_end(port.fileno())
@@ -143,6 +148,6 @@ def _advice(error: OSError) -> str:
         errno.EPERM: "permission denied; add the user to the group of the device (usually dialout)",
         errno.EBUSY: "another program has it; stop that one (ModemManager, MAVProxy or mavlink-router, for example)",
         errno.EAGAIN: "another program has it; stop that one (ModemManager, MAVProxy or mavlink-router, for example)",
-        errno.ENOTTY: "it is not a serial port",
+        errno.ENOTTY: "it is not a serial port; look for its name in /dev/serial/by-id",
     }
     return advice.get(error.errno or 0, error.strerror or str(error))

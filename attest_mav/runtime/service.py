@@ -12,7 +12,7 @@ from attest_mav.config import Config, LinkConfig
 from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.pipeline import Pipeline
 from attest_mav.mavlink.companion import ACTIVE, BOOT, CALIBRATING, CRITICAL, Companion, CompanionSettings
-from attest_mav.mavlink.decoding import Decoder
+from attest_mav.mavlink.decoding import Decoder, of_message
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.framing import Framer
 from attest_mav.mavlink.port import PortSettings
@@ -203,7 +203,7 @@ class Service:
         if stream is None:
             return
         for source, reason in self.decoder.refusals.items():
-            if source.startswith(stream.name) and self._told.get(source) != reason:
+            if source in of_message(stream.name) and self._told.get(source) != reason:
                 self._told[source] = reason
                 log.warning("%s", reason)
 

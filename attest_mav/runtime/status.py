@@ -79,11 +79,20 @@ def _obstacles(service: "Service") -> list[str]:
     return ["nothing is sent: no sample has come" if service.pipeline is None else "nothing is sent: samples stopped"]
 
 
+def _nobody_text(service: "Service") -> str:
+    """What is heard instead of a vehicle."""
+    if any(framer.frames for framer in service.framers):
+        return "no vehicle yet: MAVLink comes, but no HEARTBEAT of an autopilot"
+    if any(framer.bad_bytes for framer in service.framers):
+        return "no vehicle yet: bytes come, but no MAVLink; is the baud rate right?"
+    return "no vehicle yet"
+
+
 def _imu_text(service: "Service", hz: float) -> str:
     """The inertial message: asked for, answered, arriving."""
     stream = service.companion.data.imu
     if stream is None:
-        return service.companion.lock_on.ambiguity or "no vehicle yet"
+        return service.companion.lock_on.ambiguity or _nobody_text(service)
     asked = f"{stream.name} {hz:.1f} of {stream.hz:g} Hz"
     if not service.decoder.independent.get(stream.name, True):
         asked += ", not independent of the autopilot's filter"

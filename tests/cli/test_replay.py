@@ -5,6 +5,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from random import Random
 
 import pytest
 
@@ -43,6 +44,8 @@ def wrong_file(tmp_path):
             "empty": b"",
             "png": b"\x89PNG\r\n\x1a\n" + bytes(100),
             "text": b"not a log at all\n" * 50,
+            "zip": b"PK\x03\x04" + bytes(100),
+            "zeros": bytes(300_000),
             "dataflash": b"\xa3\x95\x80\x80\x59FMT\0" + bytes(200),
             "ulog": b"ULog\x01\x12\x35\x01" + bytes(200),
         }
@@ -128,7 +131,9 @@ def test_woven_log_replays_like_the_original(attest_mav, tmp_path):
     [
         ("empty", "is empty"),
         ("png", "PNG picture"),
-        ("text", "no log"),
+        ("text", "no log that is known here"),
+        ("zip", "a zip archive"),
+        ("zeros", "no log that is known here"),
         ("dataflash", "a DataFlash log cannot be read yet"),
         ("ulog", "a ULog cannot be read yet"),
     ],
@@ -157,6 +162,17 @@ def test_a_log_cut_in_the_middle_of_a_frame_is_read(attest_mav, tmp_path):
     assert code == 0
     assert err == ""
     assert json.loads(out)["frames"] == 3040
+
+
+@pytest.mark.parametrize("garbage", [bytes(70_000), Random(1).randbytes(70_000), b"some text\n" * 7000])
+def test_a_log_behind_garbage_is_read(attest_mav, tmp_path, garbage):
+    path = tmp_path / "damaged.tlog"
+    path.write_bytes(garbage + LAPS.read_bytes())
+    code, out, err = attest_mav("replay", path, "--json", *ON_BRIEF_LOGS)
+    assert (code, err) == (0, "")
+    damaged = json.loads(out)
+    assert damaged["bad_bytes"] > 0.99 * len(garbage), "one checksum in 65536 fits by chance"
+    assert damaged["imu"]["samples"] >= 999
 
 
 def test_a_log_without_inertial_messages(attest_mav, tmp_path):

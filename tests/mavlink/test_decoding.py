@@ -8,7 +8,7 @@ import pytest
 from pymavlink.dialects.v20 import all as pymav
 
 from attest_mav import types
-from attest_mav.mavlink.decoding import Decoder
+from attest_mav.mavlink.decoding import Decoder, of_message
 from attest_mav.mavlink.framing import Framer
 
 
@@ -249,7 +249,26 @@ def test_vfr_hud(hear):
     (sample,) = hear(pymav.MAVLink_vfr_hud_message(12.5, 11.5, 90, 50, 100.0, -0.5))
     assert (sample.airspeed, sample.groundspeed, sample.climb) == (12.5, 11.5, -0.5)
     assert sample.t_ns == types.NO_TIME
-    assert hear(pymav.MAVLink_vfr_hud_message(math.inf, 11.5, 90, 50, 100.0, -0.5)) == []
+
+
+@pytest.mark.parametrize("unknown", [math.nan, math.inf])
+def test_an_unknown_speed_does_not_cost_the_others(hear, unknown):
+    """PX4 sends NaN for the airspeed of a vehicle without a sensor for it."""
+    (sample,) = hear(pymav.MAVLink_vfr_hud_message(unknown, 11.5, 90, 50, 100.0, -0.5))
+    assert math.isnan(sample.airspeed)
+    assert (sample.groundspeed, sample.climb) == (11.5, -0.5)
+    assert hear(pymav.MAVLink_vfr_hud_message(unknown, unknown, 90, 50, 100.0, unknown)) == []
+    assert "none of its speeds is finite" in hear.decoder.refusals["VFR_HUD"]
+
+
+def test_refusals_of_a_message_are_not_those_of_one_like_it(hear):
+    hear(pymav.MAVLink_heartbeat_message(2, 3, 0, 0, 4, 3))
+    for k in range(20):
+        hear(pymav.MAVLink_scaled_imu2_message(20 * k, 0, 0, -9000, 0, 0, 0, 200, 0, 400))
+        hear(pymav.MAVLink_scaled_imu_message(20 * k, 0, 0, -1000, k % 2, 0, 0, 3, 0, 4))
+    refusals = hear.decoder.refusals
+    assert "SCALED_IMU2" in refusals
+    assert [source for source in refusals if source in of_message("SCALED_IMU")] == ["SCALED_IMU magnetometer"]
 
 
 def test_any_payload_of_any_message_decodes_without_an_exception(dialect):

@@ -112,6 +112,12 @@ def test_a_port_that_is_taken_is_an_error_that_says_what_to_do(opened, scheme):
     assert caught.value.exit_code == 69
 
 
+@pytest.mark.parametrize("scheme", ["udpin", "tcpin"])
+def test_an_address_of_another_machine_is_not_blamed_on_the_port(opened, scheme):
+    with pytest.raises(LinkError, match=r"this machine does not have the address; give one of its own, or 0\.0\.0\.0"):
+        opened(f"{scheme}:192.0.2.1:0")
+
+
 @pytest.mark.parametrize("url", ["udpout:no.such.host.invalid:1", "tcp:no.such.host.invalid:1", "udpin:192.0.2.1:0"])
 def test_an_address_that_is_not_there_is_one_clear_line(opened, url):
     with pytest.raises(LinkError) as caught:
@@ -307,7 +313,7 @@ def test_a_missing_device_is_an_error_for_who_does_not_wait(opened, tmp_path):
 def test_what_is_no_serial_port_is_an_error(opened, tmp_path):
     file = tmp_path / "file"
     file.write_text("x")
-    with pytest.raises(LinkError, match=f"cannot open {file}"):
+    with pytest.raises(LinkError, match=f"cannot open {file}: it is not a serial port"):
         opened(f"serial:{file}:57600")
 
 

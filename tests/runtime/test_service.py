@@ -271,6 +271,18 @@ def test_the_estimate_of_another_component_is_not_carried_over_to_the_autopilot(
     assert f.service.estimate is None
 
 
+def test_what_is_heard_instead_of_a_vehicle_is_said(flight):
+    f = flight()
+    assert "| no vehicle yet |" in StatusLine(0).write(f.service, 0)
+    f.service.receive(0, b"x" * 500, 0)
+    assert "| no vehicle yet: bytes come, but no MAVLink; is the baud rate right? |" in StatusLine(0).write(
+        f.service, 1
+    )
+    f.service.receive(0, Encoder(f.vehicle.dialect, 1, 1).message("ATTITUDE", {}), 0)
+    line = StatusLine(0).write(f.service, 2)
+    assert "| no vehicle yet: MAVLink comes, but no HEARTBEAT of an autopilot |" in line
+
+
 def test_the_status_line_says_it_all(flight):
     f = flight()
     status = StatusLine(0)

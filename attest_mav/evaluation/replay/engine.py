@@ -19,8 +19,9 @@ from attest_mav.evaluation.replay.plan import Plan, make_plan
 from attest_mav.evaluation.replay.survey import Survey
 from attest_mav.evaluation.replay.weave import ByteSink, Weaver
 from attest_mav.filters.base import AttitudeFilter
+from attest_mav.logs.detect import EXPECTED
 from attest_mav.logs.tlog import TlogReader, read_windows
-from attest_mav.mavlink.decoding import Decoder
+from attest_mav.mavlink.decoding import Decoder, of_message
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.encoding import Encoder
 
@@ -91,8 +92,7 @@ def replay(buffer: mmap | bytes, dialect: Dialect, request: Request, outputs: Ou
     decoder = _taught_decoder(dialect, survey, plan)
     _fly(buffer, decoder, flight, TlogReader(buffer, dialect, _wanted(dialect, plan)), outputs.progress)
     if not flight.imu.samples:
-        reason = "; ".join(decoder.refusals.values()) or "the part to be read has none"
-        raise UnreadableDataError(f"no usable {plan.imu}: {reason}")
+        raise UnreadableDataError(f"no usable {plan.imu}: {_lack(survey, plan, decoder)}")
     return Replay(survey, plan, declination, flight, _notes(survey, plan, decoder, flight))
 
 
@@ -104,7 +104,7 @@ def _survey(buffer: mmap | bytes, dialect: Dialect, progress: Callable[[float], 
         if progress is not None:
             progress(SURVEY_SHARE * _share(survey.census.position, buffer))
     if not survey.census.frames:
-        raise UnreadableDataError("no MAVLink message in it; expected a telemetry log (tlog)")
+        raise UnreadableDataError(f"this is no log that is known here: it has no MAVLink message; expected {EXPECTED}")
     return survey
 
 
@@ -160,10 +160,18 @@ def _fly(
     flight.finish()
 
 
+def _lack(survey: Survey, plan: Plan, decoder: Decoder) -> str:
+    """Why there was no inertial sample."""
+    if survey.autopilot(plan.sender) is None:
+        return f"the log has no HEARTBEAT of system {plan.sender[0]}'s autopilot, which would tell its units"
+    reasons = [reason for source, reason in decoder.refusals.items() if source in of_message(plan.imu)]
+    return "; ".join(reasons) or "the part to be read has none"
+
+
 def _notes(survey: Survey, plan: Plan, decoder: Decoder, flight: Flight) -> tuple[str, ...]:
     """What a reader of the figures should know."""
     notes = [f"{source}: {note}" for source, note in decoder.notes.items() if source == plan.imu]
-    notes += [reason for source, reason in decoder.refusals.items() if source.startswith(plan.imu)]
+    notes += [reason for source, reason in decoder.refusals.items() if source in of_message(plan.imu)]
     others = sorted(sender for sender in survey.heartbeats if sender != plan.sender)
     if others:
         named = ", ".join(f"{system}/{component}" for system, component in others)

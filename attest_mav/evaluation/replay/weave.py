@@ -5,6 +5,7 @@ from typing import Final, Protocol
 
 from attest_mav.logs.tlog import tlog_record
 from attest_mav.mavlink.encoding import Encoder
+from attest_mav.mavlink.port import boot_ms, is_sound
 from attest_mav.types import Estimate
 
 COPY_BYTES: Final = 1 << 20
@@ -28,10 +29,14 @@ class Weaver:
         self._copied = 0
 
     def insert(self, estimate: Estimate, offset: int) -> None:
-        """Insert an estimate at this offset of the original: the end of its sample's record. Offsets never go back."""
+        """Insert an estimate at this offset of the original: the end of its sample's record. Offsets never go back.
+
+        What the daemon would not send is not inserted.
+        """
+        if not is_sound(estimate):
+            return
         self._copy_to(offset)
-        time_boot_ms = estimate.t_ns // 1_000_000 & 0xFFFFFFFF
-        frame = self._encoder.attitude_quaternion(time_boot_ms, estimate.q_nb, estimate.rates)
+        frame = self._encoder.attitude_quaternion(boot_ms(estimate.t_ns), estimate.q_nb, estimate.rates)
         self._sink.write(tlog_record(estimate.rx_ns, frame))
 
     def finish(self) -> None:

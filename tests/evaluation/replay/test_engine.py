@@ -257,6 +257,15 @@ def test_progress_grows_to_nearly_one(log):
     assert 0.0 < shares[0] < shares[-1] <= 1.0
 
 
+def test_a_log_without_heartbeats_is_said_to_lack_them(log):
+    for k in range(100):
+        log.imu(20.0 * k)
+    with pytest.raises(
+        UnreadableDataError, match=r"no usable RAW_IMU: the log has no HEARTBEAT of system 1's autopilot"
+    ):
+        report(log)
+
+
 def test_units_nobody_knows_are_refused_with_a_reason(log):
     log.heartbeat(autopilot=12)
     for t_ms in range(1000, 3000, 20):

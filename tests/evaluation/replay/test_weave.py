@@ -1,11 +1,15 @@
 import io
+import math
 
 import pytest
 
 from attest_mav.evaluation.replay.engine import OUR_COMPONENT, Outputs, Request, replay
 from attest_mav.evaluation.replay.flight import Window
+from attest_mav.evaluation.replay.weave import Weaver
 from attest_mav.filters.gradient_descent import GradientDescent
 from attest_mav.logs.tlog import TlogReader
+from attest_mav.mavlink.encoding import Encoder
+from attest_mav.types import Estimate, North
 
 
 class Rows:
@@ -36,6 +40,15 @@ def test_without_our_records_the_original_is_left_byte_for_byte(data_cut, dialec
         kept += woven[last : frame.offset - 8]
         last = frame.offset + frame.size
     assert kept + woven[last:] == damaged
+
+
+@pytest.mark.parametrize("q", [(math.nan, 0.0, 0.0, 0.0), (2.0, 0.0, 0.0, 0.0)])
+def test_what_the_daemon_would_not_send_is_not_inserted(dialect, q):
+    woven = io.BytesIO()
+    weaver = Weaver(b"original", woven, Encoder(dialect, 1, OUR_COMPONENT))
+    weaver.insert(Estimate("RAW_IMU", "any", 0, 0, q, (0.0, 0.0, 0.0), North.TRUE, 0.0, 0.0, 0.02), 4)
+    weaver.finish()
+    assert woven.getvalue() == b"original"
 
 
 def test_our_records_carry_the_first_filters_attitudes_behind_their_samples(data_cut, dialect):
