@@ -5,7 +5,7 @@ import pytest
 from click.testing import CliRunner
 
 from attest_mav.cli.evaluate import command as evaluate
-from attest_mav.errors import UnreadableDataError, UsageError
+from attest_mav.errors import UnwritableError, UsageError
 from attest_mav.evaluation import figures, figures_paper3
 from attest_mav.evaluation.paper2 import LIMIT_DEG
 
@@ -82,7 +82,7 @@ def test_a_folder_that_cannot_be_made_is_one_clear_line_before_anything_runs(tmp
 def test_a_figure_that_cannot_be_written_is_one_clear_line(tmp_path):
     (tmp_path / "paper2-fig2-plain-filter.png").mkdir()
     result = CliRunner().invoke(evaluate, ["P2-h", "--workers", "1", "--plot", str(tmp_path)])
-    assert isinstance(result.exception, UnreadableDataError)
+    assert isinstance(result.exception, UnwritableError)
 
 
 def test_without_matplotlib_the_message_says_what_to_install(monkeypatch):
