@@ -76,6 +76,47 @@ def minus_outer(m: Mat3, u: Vec3, v: Vec3) -> Mat3:
     )
 
 
+def minus_mul(m: Mat3, a: Mat3, b: Mat3) -> Mat3:
+    """m - a b."""
+    (a1, a2, a3), (a4, a5, a6), (a7, a8, a9) = a
+    (b1, b2, b3), (b4, b5, b6), (b7, b8, b9) = b
+    (m1, m2, m3), (m4, m5, m6), (m7, m8, m9) = m
+    return (
+        (m1 - a1 * b1 - a2 * b4 - a3 * b7, m2 - a1 * b2 - a2 * b5 - a3 * b8, m3 - a1 * b3 - a2 * b6 - a3 * b9),
+        (m4 - a4 * b1 - a5 * b4 - a6 * b7, m5 - a4 * b2 - a5 * b5 - a6 * b8, m6 - a4 * b3 - a5 * b6 - a6 * b9),
+        (m7 - a7 * b1 - a8 * b4 - a9 * b7, m8 - a7 * b2 - a8 * b5 - a9 * b8, m9 - a7 * b3 - a8 * b6 - a9 * b9),
+    )
+
+
+def minus_mul_t(m: Mat3, a: Mat3, b: Mat3) -> Mat3:
+    """m - a b^T."""
+    return minus_mul(m, a, transpose(b))
+
+
+def minus_cross(m: Mat3, u: Vec3, n: Mat3) -> Mat3:
+    """m - [u]x n, where [u]x w is the cross product u x w."""
+    x, y, z = u
+    (n1, n2, n3), (n4, n5, n6), (n7, n8, n9) = n
+    (m1, m2, m3), (m4, m5, m6), (m7, m8, m9) = m
+    return (
+        (m1 + z * n4 - y * n7, m2 + z * n5 - y * n8, m3 + z * n6 - y * n9),
+        (m4 - z * n1 + x * n7, m5 - z * n2 + x * n8, m6 - z * n3 + x * n9),
+        (m7 + y * n1 - x * n4, m8 + y * n2 - x * n5, m9 + y * n3 - x * n6),
+    )
+
+
+def inverse(m: Mat3) -> Mat3:
+    """m^-1 by cofactors; m must not be singular."""
+    (a, b, c), (d, e, f), (g, h, i) = m
+    p, q, r = e * i - f * h, f * g - d * i, d * h - e * g
+    k = 1.0 / (a * p + b * q + c * r)
+    return (
+        (k * p, k * (c * h - b * i), k * (b * f - c * e)),
+        (k * q, k * (a * i - c * g), k * (c * d - a * f)),
+        (k * r, k * (b * g - a * h), k * (a * e - b * d)),
+    )
+
+
 def add_diagonal(m: Mat3, k: float) -> Mat3:
     """m + k I."""
     (a, b, c), (d, e, f), (g, h, i) = m

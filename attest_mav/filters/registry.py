@@ -5,11 +5,12 @@ from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.gradient_descent import GradientDescent
 from attest_mav.filters.leveling import Leveling
 from attest_mav.filters.robust_adaptive import RobustAdaptive
+from attest_mav.filters.velocity_aided import VelocityAided
 
 
 def filter_names() -> tuple[str, ...]:
     """All names, in the order in which they are shown."""
-    return ("gradient-descent", "robust-adaptive", "leveling")
+    return ("gradient-descent", "robust-adaptive", "leveling", "velocity-aided")
 
 
 def default_filter(name: str) -> AttitudeFilter:
@@ -20,4 +21,6 @@ def default_filter(name: str) -> AttitudeFilter:
         return RobustAdaptive()
     if name == "leveling":
         return Leveling()
+    if name == "velocity-aided":
+        return VelocityAided()
     raise UsageError(f"unknown filter {name!r}; known filters: {', '.join(filter_names())}")

@@ -1,0 +1,222 @@
+"""The covariance of the flight filter as named blocks: how it grows with time, and how a measurement shrinks it.
+
+The error is six vectors of three,
+
+    t  attitude, as a rotation in NED: C_true = exp([t]x) C           rad
+    v  velocity in NED                                                m/s
+    b  gyro bias in the body                                          rad/s
+    a  accelerometer bias in the body                                 m/s^2
+    m  hard iron, the magnetometer's bias in the body                 gauss
+    d  delays and declination: of the magnetometer, of the velocity   s, s, rad
+       fixes, and of magnetic north from where it is believed to be
+
+each the true value minus the estimate. ``tv`` is the block E[t v^T]; the lower half is the transpose of the upper.
+Only t and v change with time, so a step touches their rows and leaves the rest alone.
+"""
+
+from typing import Final
+
+from mypy_extensions import mypyc_attr
+
+from attest_mav.algebra import add, dot, mat_vec, scale
+from attest_mav.matrices import (
+    add_diagonal,
+    mat_t_vec,
+    minus_cross,
+    minus_mul,
+    minus_mul_t,
+    minus_outer,
+    symmetric,
+    transpose,
+)
+from attest_mav.types import Mat3, Vec3
+
+
+@mypyc_attr(acyclic=True)
+class Covariance:
+    """The upper blocks, each three rows."""
+
+    def __init__(
+        self,
+        tt: Mat3,
+        tv: Mat3,
+        tb: Mat3,
+        ta: Mat3,
+        tm: Mat3,
+        td: Mat3,
+        vv: Mat3,
+        vb: Mat3,
+        va: Mat3,
+        vm: Mat3,
+        vd: Mat3,
+        bb: Mat3,
+        ba: Mat3,
+        bm: Mat3,
+        bd: Mat3,
+        aa: Mat3,
+        am: Mat3,
+        ad: Mat3,
+        mm: Mat3,
+        md: Mat3,
+        dd: Mat3,
+    ) -> None:
+        self.tt: Final = tt
+        self.tv: Final = tv
+        self.tb: Final = tb
+        self.ta: Final = ta
+        self.tm: Final = tm
+        self.td: Final = td
+        self.vv: Final = vv
+        self.vb: Final = vb
+        self.va: Final = va
+        self.vm: Final = vm
+        self.vd: Final = vd
+        self.bb: Final = bb
+        self.ba: Final = ba
+        self.bm: Final = bm
+        self.bd: Final = bd
+        self.aa: Final = aa
+        self.am: Final = am
+        self.ad: Final = ad
+        self.mm: Final = mm
+        self.md: Final = md
+        self.dd: Final = dd
+
+
+@mypyc_attr(acyclic=True)
+class Growth:
+    """What one step adds to the diagonal blocks: variances per axis. The delays are constant."""
+
+    def __init__(self, t: float, v: float, b: float, a: float, m: float) -> None:
+        self.t: Final = t
+        self.v: Final = v
+        self.b: Final = b
+        self.a: Final = a
+        self.m: Final = m
+
+
+@mypyc_attr(acyclic=True)
+class Row:
+    """One scalar measurement, linear in the error: residual = t.theta + v.dv + b.db + m.dm + d.dd + noise.
+
+    No measurement sees the accelerometer's bias directly.
+    """
+
+    def __init__(
+        self,
+        residual: float,
+        t: Vec3 = (0.0, 0.0, 0.0),
+        v: Vec3 = (0.0, 0.0, 0.0),
+        b: Vec3 = (0.0, 0.0, 0.0),
+        m: Vec3 = (0.0, 0.0, 0.0),
+        d: Vec3 = (0.0, 0.0, 0.0),
+    ) -> None:
+        self.residual: Final = residual
+        self.t: Final = t
+        self.v: Final = v
+        self.b: Final = b
+        self.m: Final = m
+        self.d: Final = d
+
+
+@mypyc_attr(acyclic=True)
+class Reach:
+    """P h for one row, and ``variance`` = h^T P h: the part of the residual's variance that is the state's own."""
+
+    def __init__(self, t: Vec3, v: Vec3, b: Vec3, a: Vec3, m: Vec3, d: Vec3, variance: float) -> None:
+        self.t: Final = t
+        self.v: Final = v
+        self.b: Final = b
+        self.a: Final = a
+        self.m: Final = m
+        self.d: Final = d
+        self.variance: Final = variance
+
+
+def propagated(p: Covariance, turn: Mat3, push: Vec3, growth: Growth) -> Covariance:
+    """P after a step: t' = t - turn b, v' = v - [push]x t' - turn a, with turn = C dt and push = C f dt.
+
+    Written row by row: first the rows of t, then those of v, then what v' has with itself.
+    """
+    tb = minus_mul(p.tb, turn, p.bb)
+    ta = minus_mul(p.ta, turn, p.ba)
+    tm = minus_mul(p.tm, turn, p.bm)
+    td = minus_mul(p.td, turn, p.bd)
+    t_old_v = minus_mul_t(p.tv, turn, p.vb)
+    tt = minus_mul_t(minus_mul_t(p.tt, turn, p.tb), tb, turn)
+    vb = minus_mul_t(minus_cross(p.vb, push, tb), turn, p.ba)
+    va = minus_mul(minus_cross(p.va, push, ta), turn, p.aa)
+    vm = minus_mul(minus_cross(p.vm, push, tm), turn, p.am)
+    vd = minus_mul(minus_cross(p.vd, push, td), turn, p.ad)
+    vt = minus_mul_t(minus_cross(transpose(t_old_v), push, tt), turn, ta)
+    v_old_v = minus_mul_t(minus_cross(p.vv, push, t_old_v), turn, p.va)
+    tv = transpose(vt)
+    vv = minus_mul_t(transpose(minus_cross(transpose(v_old_v), push, tv)), va, turn)
+    return Covariance(
+        add_diagonal(symmetric(tt), growth.t),
+        tv,
+        tb,
+        ta,
+        tm,
+        td,
+        add_diagonal(symmetric(vv), growth.v),
+        vb,
+        va,
+        vm,
+        vd,
+        add_diagonal(p.bb, growth.b),
+        p.ba,
+        p.bm,
+        p.bd,
+        add_diagonal(p.aa, growth.a),
+        p.am,
+        p.ad,
+        add_diagonal(p.mm, growth.m),
+        p.md,
+        p.dd,
+    )
+
+
+def reach(p: Covariance, h: Row) -> Reach:
+    """P h, block by block."""
+    t = _sum5(mat_vec(p.tt, h.t), mat_vec(p.tv, h.v), mat_vec(p.tb, h.b), mat_vec(p.tm, h.m), mat_vec(p.td, h.d))
+    v = _sum5(mat_t_vec(p.tv, h.t), mat_vec(p.vv, h.v), mat_vec(p.vb, h.b), mat_vec(p.vm, h.m), mat_vec(p.vd, h.d))
+    b = _sum5(mat_t_vec(p.tb, h.t), mat_t_vec(p.vb, h.v), mat_vec(p.bb, h.b), mat_vec(p.bm, h.m), mat_vec(p.bd, h.d))
+    a = _sum5(mat_t_vec(p.ta, h.t), mat_t_vec(p.va, h.v), mat_t_vec(p.ba, h.b), mat_vec(p.am, h.m), mat_vec(p.ad, h.d))
+    m = _sum5(mat_t_vec(p.tm, h.t), mat_t_vec(p.vm, h.v), mat_t_vec(p.bm, h.b), mat_vec(p.mm, h.m), mat_vec(p.md, h.d))
+    d = _sum5(
+        mat_t_vec(p.td, h.t), mat_t_vec(p.vd, h.v), mat_t_vec(p.bd, h.b), mat_t_vec(p.md, h.m), mat_vec(p.dd, h.d)
+    )
+    return Reach(t, v, b, a, m, d, dot(h.t, t) + dot(h.v, v) + dot(h.b, b) + dot(h.m, m) + dot(h.d, d))
+
+
+def corrected(p: Covariance, g: Reach, k: float) -> Covariance:
+    """P - (P h)(P h)^T k, with k = 1/(h^T P h + r): the covariance after a row of noise variance r."""
+    t, v, b, a, m = scale(g.t, k), scale(g.v, k), scale(g.b, k), scale(g.a, k), scale(g.m, k)
+    return Covariance(
+        minus_outer(p.tt, t, g.t),
+        minus_outer(p.tv, t, g.v),
+        minus_outer(p.tb, t, g.b),
+        minus_outer(p.ta, t, g.a),
+        minus_outer(p.tm, t, g.m),
+        minus_outer(p.td, t, g.d),
+        minus_outer(p.vv, v, g.v),
+        minus_outer(p.vb, v, g.b),
+        minus_outer(p.va, v, g.a),
+        minus_outer(p.vm, v, g.m),
+        minus_outer(p.vd, v, g.d),
+        minus_outer(p.bb, b, g.b),
+        minus_outer(p.ba, b, g.a),
+        minus_outer(p.bm, b, g.m),
+        minus_outer(p.bd, b, g.d),
+        minus_outer(p.aa, a, g.a),
+        minus_outer(p.am, a, g.m),
+        minus_outer(p.ad, a, g.d),
+        minus_outer(p.mm, m, g.m),
+        minus_outer(p.md, m, g.d),
+        minus_outer(p.dd, scale(g.d, k), g.d),
+    )
+
+
+def _sum5(a: Vec3, b: Vec3, c: Vec3, d: Vec3, e: Vec3) -> Vec3:
+    return add(add(add(a, b), add(c, d)), e)

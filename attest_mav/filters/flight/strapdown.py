@@ -1,0 +1,132 @@
+"""Dead reckoning between measurements: attitude and velocity from the gyro and the accelerometer, by the trapezoid.
+
+Telemetry samples a filtered sensor now and then, so what happened between two samples is unknown in proportion to how
+much they differ. That difference, remembered for a while, is the noise of the step: it scales itself with rate and
+motion, and at 4 Hz it is what keeps sigma honest.
+"""
+
+from math import exp
+from typing import Final
+
+from mypy_extensions import mypyc_attr
+
+from attest_mav.algebra import add, is_finite, mat_vec, norm, q_exp, q_mul, q_to_matrix, q_unit, scale, sub
+from attest_mav.filters.flight.covariance import Growth
+from attest_mav.filters.flight.motion import Motion, moved
+from attest_mav.filters.flight.parameters import FlightParameters
+from attest_mav.filters.flight.track import Track, longer
+from attest_mav.matrices import mat_add, mat_scale
+from attest_mav.types import G_MPS2, ImuSample, Mat3, Vec3
+
+INTEGER_MESSAGES: Final = frozenset({"RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "SCALED_IMU3"})
+"""Their readings are int16 in mrad/s, milli-g and milligauss, truncated toward zero."""
+GYRO_UNIT: Final = 1e-3
+"""rad/s."""
+ACCEL_UNIT: Final = 1e-3 * G_MPS2
+"""m/s^2."""
+MAG_UNIT: Final = 1e-3
+"""gauss."""
+MAX_RATE: Final = 1e3
+"""rad/s: a gyro that reports this much is not read."""
+MAX_ACCEL: Final = 1e4
+"""m/s^2: the same for the accelerometer."""
+SATURATED_RATE: Final = 1.0
+"""rad/s: what a saturated sensor may hide."""
+SATURATED_ACCEL: Final = 20.0
+"""m/s^2: the same for the accelerometer, and for one that cannot be read."""
+
+
+@mypyc_attr(acyclic=True)
+class Strapdown:
+    """What dead reckoning remembers from one sample to the next.
+
+    gyro, accel: the last readings, rad/s and m/s^2. force: the last specific force in NED, m/s^2. unrest_w, unrest_f:
+    the remembered largest changes between samples. track: the recent velocity gains.
+    """
+
+    def __init__(self, gyro: Vec3, accel: Vec3, force: Vec3, unrest_w: float, unrest_f: float, track: Track) -> None:
+        self.gyro: Final = gyro
+        self.accel: Final = accel
+        self.force: Final = force
+        self.unrest_w: Final = unrest_w
+        self.unrest_f: Final = unrest_f
+        self.track: Final = track
+
+
+@mypyc_attr(acyclic=True)
+class Reading:
+    """Gyro (rad/s) and accelerometer (m/s^2) of one sample as they are used."""
+
+    def __init__(self, gyro: Vec3, accel: Vec3, saturated: bool) -> None:
+        self.gyro: Final = gyro
+        self.accel: Final = accel
+        self.saturated: Final = saturated
+
+
+def read(sample: ImuSample, before: Vec3) -> Reading:
+    """The sample's readings with half a unit given back; ``before`` stands in for an accelerometer without a value."""
+    usable = is_finite(sample.accel) and norm(sample.accel) < MAX_ACCEL
+    accel = sample.accel if usable else before
+    saturated = sample.saturated or not usable
+    if sample.source not in INTEGER_MESSAGES:
+        return Reading(sample.gyro, accel, saturated)
+    return Reading(dequantised(sample.gyro, GYRO_UNIT), dequantised(accel, ACCEL_UNIT) if usable else accel, saturated)
+
+
+def dequantised(v: Vec3, unit: float) -> Vec3:
+    """The middle of the interval that truncation toward zero has mapped to v; zero stays zero."""
+    return (_middle(v[0], unit), _middle(v[1], unit), _middle(v[2], unit))
+
+
+def _middle(x: float, unit: float) -> float:
+    return x + 0.5 * unit if x > 0.0 else x - 0.5 * unit if x < 0.0 else 0.0
+
+
+def specific_force(motion: Motion, accel: Vec3) -> Vec3:
+    """C (f - a), NED, m/s^2."""
+    return mat_vec(q_to_matrix(motion.q_nb), sub(accel, motion.accel_bias))
+
+
+def advanced(
+    motion: Motion, memory: Strapdown, reading: Reading, dt_s: float, t_ns: int, settings: FlightParameters
+) -> tuple[Motion, Strapdown]:
+    """Motion and memory ``dt_s`` later, at the reading taken then."""
+    rate = sub(scale(add(memory.gyro, reading.gyro), 0.5), motion.gyro_bias)
+    before = q_to_matrix(motion.q_nb)
+    q_nb = q_unit(q_mul(motion.q_nb, q_exp(scale(rate, 0.5 * dt_s))))
+    after = q_to_matrix(q_nb)
+    force = mat_vec(after, sub(reading.accel, motion.accel_bias))
+    push = scale(add(memory.force, force), 0.5 * dt_s)
+    velocity = add(motion.velocity, (push[0], push[1], push[2] + settings.gravity * dt_s))
+    turn: Mat3 = mat_scale(mat_add(before, after), 0.5 * dt_s)
+    unrest_w, unrest_f = _unrest(memory, reading, dt_s, settings)
+    growth = Growth(
+        settings.gyro_noise**2 * dt_s + (settings.gyro_aliasing * unrest_w * dt_s) ** 2,
+        settings.accel_noise**2 * dt_s + (settings.accel_aliasing * unrest_f * dt_s) ** 2,
+        settings.gyro_bias_walk**2 * dt_s,
+        settings.accel_bias_walk**2 * dt_s if settings.accel_bias_sigma > 0.0 else 0.0,
+        settings.hard_iron_walk**2 * dt_s if settings.hard_iron > 0.0 else 0.0,
+    )
+    track = longer(memory.track, t_ns, push)
+    after_step = Strapdown(reading.gyro, reading.accel, force, unrest_w, unrest_f, track)
+    return moved(motion, q_nb, velocity, turn, push, growth), after_step
+
+
+def _unrest(memory: Strapdown, reading: Reading, dt_s: float, settings: FlightParameters) -> tuple[float, float]:
+    """How much gyro and accelerometer change between samples at the most, as far back as is remembered."""
+    fade = exp(-dt_s / settings.aliasing_hold_s)
+    change_w = SATURATED_RATE if reading.saturated else norm(sub(reading.gyro, memory.gyro))
+    change_f = SATURATED_ACCEL if reading.saturated else norm(sub(reading.accel, memory.accel))
+    return (max(change_w, fade * memory.unrest_w), max(change_f, fade * memory.unrest_f))
+
+
+def turned_memory(memory: Strapdown, motion: Motion) -> Strapdown:
+    """The memory after the attitude was corrected: the last specific force as the corrected attitude sees it."""
+    return Strapdown(
+        memory.gyro,
+        memory.accel,
+        specific_force(motion, memory.accel),
+        memory.unrest_w,
+        memory.unrest_f,
+        memory.track,
+    )

@@ -1,0 +1,176 @@
+"""Velocity-aided flight filter: the attitude of a vehicle that manoeuvres, from its velocity.
+
+In flight the accelerometer does not show gravity, but it shows how the velocity must change if the attitude is right.
+The filter integrates gyro and accelerometer and compares with the velocity fixes of the receiver; what disagrees is
+mostly tilt, and in manoeuvres heading. The magnetometer turns the heading only as far as the velocity lets it. What
+telemetry does to the signals (truncation, low-pass, delays, aliasing) is undone or estimated.
+
+One filter serves every condition: it changes the rows that correct it, and says which (``Aid``).
+docs/flight.md has the equations, and what each part is worth.
+"""
+
+from dataclasses import dataclass, field
+from math import asin, isfinite, pi
+from typing import Final, cast
+
+from mypy_extensions import mypyc_attr
+
+from attest_mav.algebra import clamp, is_finite, norm, q_continuous, q_exp, q_mul, scale, sub
+from attest_mav.filters.base import Aids, AttitudeFilter, FilterState, Start
+from attest_mav.filters.flight.alignment import Alignment, continued, outcome, started
+from attest_mav.filters.flight.beginning import beginning, redeclined
+from attest_mav.filters.flight.compass import field_of
+from attest_mav.filters.flight.fixes import low_pass_delay_s
+from attest_mav.filters.flight.flying import Aid, Flying, flown
+from attest_mav.filters.flight.motion import is_sound
+from attest_mav.filters.flight.parameters import FlightParameters
+from attest_mav.filters.flight.strapdown import MAX_RATE, Reading, read
+from attest_mav.types import ImuSample, North, Quat, Vec3
+
+LONGEST_STEP_S: Final = 1.0
+"""After a longer gap the attitude is lost, and alignment begins again."""
+NORTH_LOST: Final = 0.5
+"""rad: with a heading less certain than this there is no north."""
+
+
+@mypyc_attr(acyclic=True)
+class VelocityAidedState(FilterState):
+    """State after a step.
+
+    alignment: what it has collected while it aligns, None while it flies. flying: the estimate, which an alignment
+    after a gap keeps for what it knows of the sensors; None before the first. Its ``fixes`` and ``compass`` hold
+    the innovations. gap_s: time since the estimate was given up. While it aligns the sigmas are pi, and ``q_nb`` is
+    the last attitude turned on by the gyro.
+    """
+
+    def __init__(
+        self,
+        q_nb: Quat,
+        gyro_bias: Vec3,
+        accel_used: bool,
+        mag_used: bool,
+        tilt_sigma: float,
+        heading_sigma: float,
+        alignment: Alignment | None,
+        flying: Flying | None,
+        gap_s: float,
+    ) -> None:
+        super().__init__(q_nb, gyro_bias, accel_used, mag_used, tilt_sigma, heading_sigma)
+        self.alignment: Final = alignment
+        self.flying: Final = flying
+        self.gap_s: Final = gap_s
+
+    @property
+    def aligned(self) -> bool:
+        """True once there is an attitude."""
+        return self.flying is not None and self.alignment is None
+
+    @property
+    def referred_to(self) -> North | None:
+        """What the heading refers to."""
+        flying = self.flying
+        if flying is None or self.heading_sigma > NORTH_LOST:
+            return North.RELATIVE
+        return North.TRUE if flying.declined else North.MAGNETIC
+
+
+@dataclass(frozen=True)
+class VelocityAided(AttitudeFilter):
+    """The filter with its parameters."""
+
+    parameters: FlightParameters = field(default_factory=FlightParameters)
+
+    @property
+    def name(self) -> str:
+        """``velocity-aided``."""
+        return "velocity-aided"
+
+    @property
+    def aligns_itself(self) -> bool:
+        """True: it starts in motion too, and after a gap."""
+        return True
+
+    def valid(self, state: FilterState) -> bool:
+        """True while the tilt is known well enough to judge others by it."""
+        return state.tilt_sigma < self.parameters.valid_tilt
+
+    def initial(self, start: Start) -> VelocityAidedState:
+        """Begin to align. The start's attitude is only shown until the filter has its own; its bias is taken."""
+        return VelocityAidedState(start.q_nb, start.gyro_bias, False, False, pi, pi, None, None, 0.0)
+
+    def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: Aids) -> VelocityAidedState:
+        """One step; ``dt_s`` may be longer than 1 s: then alignment begins again."""
+        before = cast("VelocityAidedState", state)
+        if not (is_finite(sample.gyro) and norm(sample.gyro) < MAX_RATE and dt_s > 0.0):
+            return before
+        settings = self.parameters
+        flying = before.flying
+        if flying is None:
+            reading = read(sample, (0.0, 0.0, -settings.gravity))
+            return self._aligning(before, None, reading, sample, aids, dt_s)
+        flying = redeclined(flying, aids.declination, settings)
+        reading = read(sample, flying.strapdown.accel)
+        if before.alignment is not None or dt_s > LONGEST_STEP_S:
+            return self._aligning(before, flying, reading, sample, aids, dt_s)
+        flying = flown(flying, reading, sample, aids, dt_s, settings)
+        if not is_sound(flying.motion):
+            return self._waiting(before.q_nb, (0.0, 0.0, 0.0), started(reading, sample.t_ns), None, 0.0)
+        if flying.fixes.mean_nis > settings.restart_nis:
+            # The velocity contradicts the attitude for too long.
+            return self._waiting(before.q_nb, flying.motion.gyro_bias, started(reading, sample.t_ns), flying, 0.0)
+        return self._shown(flying, before.q_nb)
+
+    def _aligning(
+        self,
+        before: VelocityAidedState,
+        flying: Flying | None,
+        reading: Reading,
+        sample: ImuSample,
+        aids: Aids,
+        dt_s: float,
+    ) -> VelocityAidedState:
+        """One sample more for the alignment, or its end."""
+        settings = self.parameters
+        bias = before.gyro_bias
+        so_far = before.alignment
+        if so_far is None or dt_s > LONGEST_STEP_S:
+            so_far = started(reading, sample.t_ns)
+        else:
+            new = field_of(sample) if sample.mag != so_far.mag else None
+            so_far = continued(so_far, reading, sample.mag, new, aids.velocity, bias, dt_s, sample.t_ns, settings)
+        dip = aids.inclination
+        if not isfinite(dip) and flying is not None:
+            dip = asin(clamp(flying.compass.dip, -1.0, 1.0))
+        declination = aids.declination if isfinite(aids.declination) else 0.0
+        if flying is not None:
+            declination = flying.declination + flying.motion.delays[2]
+        begin = outcome(so_far, declination, dip, settings)
+        gap_s = before.gap_s + dt_s
+        if begin is None:
+            turn = scale(sub(reading.gyro, bias), 0.5 * min(dt_s, LONGEST_STEP_S))
+            return self._waiting(q_mul(before.q_nb, q_exp(turn)), bias, so_far, flying, gap_s)
+        begun = beginning(begin, flying, reading, sample.t_ns, bias, aids.declination, gap_s, settings)
+        return self._shown(begun, before.q_nb)
+
+    def _waiting(
+        self, q_nb: Quat, bias: Vec3, so_far: Alignment, flying: Flying | None, gap_s: float
+    ) -> VelocityAidedState:
+        """The state of an alignment that is not over."""
+        return VelocityAidedState(q_nb, bias, False, False, pi, pi, so_far, flying, gap_s)
+
+    def _shown(self, flying: Flying, previous: Quat) -> VelocityAidedState:
+        """The state that shows this estimate: the attitude now, not the one that the low-passed sensors see."""
+        motion = flying.motion
+        rate = sub(flying.strapdown.gyro, motion.gyro_bias)
+        q_nb = q_mul(motion.q_nb, q_exp(scale(rate, 0.5 * low_pass_delay_s(self.parameters))))
+        return VelocityAidedState(
+            q_continuous(q_nb, previous),
+            motion.gyro_bias,
+            flying.aid == Aid.GRAVITY,
+            flying.compass.used,
+            motion.tilt_sigma,
+            motion.heading_sigma,
+            None,
+            flying,
+            0.0,
+        )

@@ -1,0 +1,289 @@
+"""The flight filter as a whole: what it reaches, what it survives, and what it says of itself."""
+
+import copy
+from dataclasses import replace
+from math import degrees, inf, nan, pi, radians
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from attest_mav.algebra import q_norm
+from attest_mav.filters.base import Aids, Start
+from attest_mav.filters.flight.flying import Aid
+from attest_mav.filters.flight.parameters import FlightParameters
+from attest_mav.filters.velocity_aided import VelocityAided
+from attest_mav.types import ImuSample, North, VelocitySample
+
+
+def rms(x):
+    return float(np.sqrt(np.nanmean(np.square(x))))
+
+
+def changed(flight, change):
+    """The flight with ``change(k, sample, aids)`` applied to each sample from the start."""
+    other = copy.copy(flight)
+    pairs = [change(k, s, a) for k, (s, a) in enumerate(zip(flight.samples, flight.aids, strict=True))]
+    other.samples = [s for s, _ in pairs]
+    other.aids = [a for _, a in pairs]
+    return other
+
+
+def with_reading(sample, **others):
+    values = {"gyro": sample.gyro, "accel": sample.accel, "mag": sample.mag, "saturated": sample.saturated}
+    values |= others
+    return ImuSample(sample.source, 1, 1, sample.t_ns, sample.rx_ns, **values)
+
+
+def with_aids(aids, **others):
+    return Aids(
+        velocity=others.get("velocity", aids.velocity),
+        declination=others.get("declination", aids.declination),
+        inclination=others.get("inclination", aids.inclination),
+        forward_speed=aids.forward_speed,
+        side_speed=aids.side_speed,
+    )
+
+
+# --- what it reaches ------------------------------------------------------------------------------------------------
+
+
+def test_s_turns_and_gusts_to_a_twentieth_of_a_degree(plane_log, copter_log):
+    for flight in (plane_log, copter_log):
+        states = flight.run()
+        tilt, heading = flight.errors(states)
+        assert rms(tilt[1500:]) < 0.05
+        assert rms(heading[1500:]) < 0.1
+        assert VelocityAided().valid(states[-1])
+        assert states[-1].flying.aid == Aid.VELOCITY
+
+
+def test_it_finds_the_delays(s_turns, telemetry):
+    """GPS 0.16 s and compass 0.11 s late, against the 0.10 and 0.06 believed; the compass beyond the low-pass."""
+    flight = telemetry(s_turns, fix_delay_s=0.16, mag_lag_s=0.11)
+    states = flight.run()
+    mag, fix, _ = states[-1].flying.motion.delays
+    assert fix == pytest.approx(0.16, abs=0.01)
+    assert mag == pytest.approx(0.11 - 0.01125, abs=0.01)
+    assert rms(flight.errors(states)[0][1500:]) < 0.1
+
+
+def test_it_finds_what_calibration_left(s_turns, telemetry):
+    bias, iron = (radians(0.4), radians(-0.3), radians(0.2)), (0.008, -0.006, 0.0)
+    flight = telemetry(
+        s_turns, integer=False, gyro_bias=bias, hard_iron=iron, gyro_noise=1e-3, accel_noise=0.1, mag_noise=2e-3
+    )
+    motion = flight.run()[-1].flying.motion
+    assert np.degrees(motion.gyro_bias) == pytest.approx(np.degrees(bias), abs=0.05)
+    assert motion.hard_iron[:2] == pytest.approx(iron[:2], abs=0.003)
+
+
+def test_a_wrong_declination_is_corrected_by_the_velocity(plane_log):
+    wrong = changed(plane_log, lambda _k, s, a: (s, with_aids(a, declination=a.declination + radians(1.5))))
+    states = wrong.run()
+    _, heading = wrong.errors(states)
+    assert rms(heading[100:400]) == pytest.approx(1.5, abs=0.2)
+    assert rms(heading[-1500:]) < 0.3
+    assert degrees(states[-1].flying.motion.delays[2]) == pytest.approx(-1.5, abs=0.3)
+
+
+def test_a_declination_that_comes_late_turns_the_heading(plane_log):
+    late = changed(plane_log, lambda k, s, a: (s, with_aids(a, declination=nan if k < 300 else a.declination)))
+    states = late.run(last=400)
+    _, heading = late.errors(states)
+    assert states[250].referred_to == North.MAGNETIC
+    assert heading[250] == pytest.approx(-3.0, abs=0.2)
+    assert states[-1].referred_to == North.TRUE
+    assert heading[-1] == pytest.approx(0.0, abs=0.2)
+
+
+@pytest.mark.parametrize("rate_hz", [100.0, 10.0, 4.0])
+def test_at_any_rate_sigma_tells_the_truth(s_turns, telemetry, rate_hz):
+    flight = telemetry(s_turns, rate_hz=rate_hz)
+    states = flight.run()
+    tilt, heading = flight.errors(states)
+    flown = slice(round(30 * rate_hz), None)
+    sigma = np.degrees([[s.tilt_sigma, s.heading_sigma] for s in states])
+    assert np.mean(tilt[flown] < 3.0 * sigma[flown, 0]) > 0.99
+    assert np.mean(np.abs(heading[flown]) < 3.0 * sigma[flown, 1]) > 0.99
+    assert rms(tilt[flown]) < {100.0: 0.05, 10.0: 0.3, 4.0: 1.5}[rate_hz]
+
+
+# --- what it survives -----------------------------------------------------------------------------------------------
+
+
+def without_fixes(flight, first, last):
+    """The flight as it is when the receiver falls silent: the newest fix stays the newest, then is too old."""
+    return changed(
+        flight,
+        lambda k, s, a: (
+            (s, with_aids(a, velocity=None if k >= first + 100 else flight.aids[first].velocity))
+            if first <= k < last
+            else (s, a)
+        ),
+    )
+
+
+def test_lost_fixes_are_coasted_over_with_growing_sigma(copter_log):
+    outage = without_fixes(copter_log, 2500, 4000)
+    states = outage.run(last=4000)
+    tilt, _ = outage.errors(states)
+    assert tilt[3999] < 1.0
+    assert states[3999].flying.aid == Aid.COASTING
+    assert degrees(states[3999].tilt_sigma) > 2.0 * degrees(states[2490].tilt_sigma)
+    assert tilt[3999] < 3.0 * degrees(states[3999].tilt_sigma)
+
+
+def test_a_wing_goes_on_with_its_airspeed(s_turns, telemetry):
+    outage = without_fixes(telemetry(s_turns, airspeed=True), 2500, 6000)
+    states = outage.run()
+    tilt, heading = outage.errors(states)
+    assert states[-1].flying.aid == Aid.AIRSPEED
+    assert np.nanmax(tilt[2500:]) < 1.0
+    assert np.nanmax(np.abs(heading[2500:])) < 1.5
+
+
+def test_a_copter_falls_back_on_gravity_after_a_while(copter_log):
+    outage = without_fixes(copter_log, 2000, 5000)
+    tilt, _ = outage.errors(outage.run())
+    states = outage.run()
+    assert states[-1].flying.aid == Aid.GRAVITY
+    assert states[-1].accel_used
+    assert np.nanmax(tilt[2000:]) < 3.0
+
+
+def test_no_velocity_at_all(copter_log):
+    blind = changed(copter_log, lambda _k, s, a: (s, with_aids(a, velocity=None)))
+    states = blind.run()
+    tilt, heading = blind.errors(states)
+    assert states[300].flying.aid == Aid.REST
+    assert rms(tilt[1500:]) < 2.5
+    assert np.mean(tilt[1500:] < 3.0 * np.degrees([s.tilt_sigma for s in states[1500:]])) > 0.99
+    assert rms(heading[1500:]) < 3.0
+
+
+def test_a_disturbed_field_turns_the_heading_little(plane_log):
+    """0.1 gauss on the body's x for 20 s would turn a compass by 27 degrees."""
+    disturbed = changed(
+        plane_log,
+        lambda k, s, a: (with_reading(s, mag=(s.mag[0] + 0.1, *s.mag[1:])) if 3000 <= k < 4000 else s, a),
+    )
+    states = disturbed.run()
+    tilt, heading = disturbed.errors(states)
+    assert np.nanmax(np.abs(heading[3000:])) < 2.0
+    assert np.nanmax(tilt[3000:]) < 1.0
+    assert states[3500].flying.compass.disturbance > 0.03
+
+
+def test_without_a_field_the_velocity_holds_the_heading(plane_log):
+    lost = changed(plane_log, lambda k, s, a: (with_reading(s, mag=None) if k >= 2000 else s, a))
+    states = lost.run()
+    _, heading = lost.errors(states)
+    assert np.nanmax(np.abs(heading[2000:])) < 2.0
+    assert states[-1].heading_sigma > states[1990].heading_sigma
+    assert not states[-1].mag_used
+
+
+def test_a_gap_keeps_the_bias_and_aligns_again(s_turns, telemetry):
+    flight = telemetry(s_turns, gyro_bias=(radians(0.5), 0.0, radians(-0.4)))
+    kept = [k for k in range(len(flight.samples)) if not 3000 <= k < 3200]
+    gap = copy.copy(flight)
+    gap.samples, gap.aids, gap.truth = (
+        [values[k] for k in kept] for values in (flight.samples, flight.aids, flight.truth)
+    )
+    states = gap.run()
+    tilt, _ = gap.errors(states)
+    assert not states[3000].aligned
+    assert states[3000].flying is not None
+    assert states[3150].aligned
+    assert np.nanmax(tilt[3001:]) < 2.0
+    assert np.degrees(states[3150].gyro_bias) == pytest.approx([0.5, 0.0, -0.4], abs=0.15)
+
+
+def test_a_wrong_attitude_is_given_up(plane_log):
+    """Fixes of another motion contradict the attitude: alignment begins again, and ends when they are right."""
+    north = VelocitySample("GPS_RAW_INT", 1, 1, 0, 0, (0.0, 0.0, 0.0), False)
+
+    def other(k, sample, aids):
+        if not 3000 <= k < 3300:
+            return sample, aids
+        v = aids.velocity
+        turned = (-v.v_ned[1], v.v_ned[0], 0.0)
+        return sample, with_aids(aids, velocity=VelocitySample(v.source, 1, 1, v.t_ns, 0, turned, False))
+
+    assert north.v_ned[0] == 0.0
+    states = changed(plane_log, other).run()
+    tilt, _ = plane_log.errors(states)
+    assert any(not s.aligned for s in states[3000:3400])
+    assert states[-1].aligned
+    assert rms(tilt[-1000:]) < 0.3
+
+
+def test_a_split_run_is_a_whole_one_bit_for_bit(plane_log):
+    whole = plane_log.run(last=1500)
+    head = plane_log.run(last=700)
+    rest = plane_log.run(state=head[-1], first=700, last=1500)
+    assert rest[-1].q_nb == whole[-1].q_nb
+    assert rest[-1].tilt_sigma == whole[-1].tilt_sigma
+    assert rest[-1].flying.motion.velocity == whole[-1].flying.motion.velocity
+
+
+BAD = st.sampled_from([nan, inf, -inf, 0.0, 1e30, -1e30, 1e-300])
+NUMBER = BAD | st.floats(-50.0, 50.0)
+VECTOR = st.tuples(NUMBER, NUMBER, NUMBER)
+
+
+@pytest.fixture(scope="module")
+def flying(plane_log):
+    """The state after twenty seconds."""
+    return plane_log.run(last=1000)[-1]
+
+
+@settings(derandomize=True, max_examples=40, deadline=None)
+@given(
+    readings=st.lists(st.tuples(VECTOR, VECTOR, st.none() | VECTOR, st.floats(1e-3, 0.9), st.booleans()), max_size=12)
+)
+def test_no_reading_breaks_it(plane_log, flying, readings):
+    """Whatever comes, the quaternion is a unit one, and good readings afterwards bring the attitude back."""
+    chosen = VelocityAided()
+    state = flying
+    t_ns = plane_log.samples[999].t_ns
+    for gyro, accel, mag, dt_s, saturated in readings:
+        t_ns += round(dt_s * 1e9)
+        state = chosen.step(state, dt_s, ImuSample("RAW_IMU", 1, 1, t_ns, t_ns, gyro, accel, mag, saturated), Aids())
+        assert q_norm(state.q_nb) == pytest.approx(1.0, abs=1e-9)
+        assert state.tilt_sigma >= 0.0
+    shift = t_ns - plane_log.samples[999].t_ns
+    for k in range(1000, 1400):
+        sample, fix = plane_log.samples[k], plane_log.aids[k].velocity
+        moved = ImuSample("RAW_IMU", 1, 1, sample.t_ns + shift, 0, sample.gyro, sample.accel, sample.mag)
+        moved_fix = VelocitySample(fix.source, 1, 1, fix.t_ns + shift, 0, fix.v_ned, False)
+        state = chosen.step(state, 0.02, moved, with_aids(plane_log.aids[k], velocity=moved_fix))
+    assert state.aligned
+
+
+def test_an_accelerometer_without_a_value_is_bridged(plane_log):
+    holes = changed(plane_log, lambda k, s, a: (with_reading(s, accel=(nan, nan, nan)) if k % 10 == 0 else s, a))
+    tilt, _ = holes.errors(holes.run())
+    assert rms(tilt[1500:]) < 1.0
+
+
+def test_before_anything_it_says_nothing(plane_log):
+    sample = plane_log.samples[0]
+    state = VelocityAided().initial(
+        Start((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), North.RELATIVE, sample.accel, sample.mag, at_rest=False)
+    )
+    assert not state.aligned
+    assert state.tilt_sigma == pi
+    assert not VelocityAided().valid(state)
+    assert state.referred_to == North.RELATIVE
+
+
+def test_the_low_pass_of_the_vehicle_is_a_parameter(s_turns, telemetry):
+    """Without the right group delay the attitude lags by the turn rate times what is missing."""
+    flight = telemetry(s_turns)
+    chosen = VelocityAided(replace(FlightParameters(), low_pass_hz=0.0))
+    tilt, _ = flight.errors(flight.run(chosen, last=3000))
+    right, _ = flight.errors(flight.run(last=3000))
+    assert rms(tilt[1500:]) > 3.0 * rms(right[1500:])
