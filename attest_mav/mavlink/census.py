@@ -42,7 +42,7 @@ class Census(Recording):
             super()._take(size)
         else:
             self.frames += 1
-            self._follow_sequence(data[sender], data[sender + 1], data[sender - 1])
+            self._sequences.follow(data[sender], data[sender + 1], data[sender - 1])
             self._pass(size)
 
 

@@ -42,7 +42,7 @@ class Framer(Walker):
         self._pending = b""
         self._place = 0
         self._searching = False
-        self._sequences = [[] for _ in range(256)]
+        self._sequences.forget()
 
     def _continue(self, data: bytes, rx_ns: int, final: bool) -> list[Frame]:
         self._rx_ns = rx_ns

@@ -35,6 +35,7 @@ from attest_mav.mavlink.frame import (
     message_id_at,
     size_at,
 )
+from attest_mav.mavlink.sequence import Sequences
 
 # What a candidate can be besides an intact frame of so many bytes (> 0), NO_FRAME and INCOMPLETE.
 UNKNOWN_ID: Final = -2
@@ -59,12 +60,11 @@ class Walker:
         self.bad_bytes: i64 = 0
         self.bad_crc: i64 = 0
         self.unknown: i64 = 0
-        self.lost: i64 = 0
         self._lead: i64 = lead
         self._extras: Final = dialect.mirrored_extras
         self._ids: i64 = len(dialect.mirrored_extras)
         self._is_wanted: Final = _flags(wanted, len(dialect.mirrored_extras))
-        self._sequences: list[list[int]] = [[] for _ in range(256)]
+        self._sequences: Final = Sequences()
         self._data = b""
         self._mirror = b""
         self._end: i64 = 0
@@ -74,6 +74,11 @@ class Walker:
         self._done: i64 = 0  # everything before is accounted for
         self._place: i64 = lead  # where a frame is expected, or looked for
         self._searching = False
+
+    @property
+    def lost(self) -> int:
+        """Frames missing so far."""
+        return self._sequences.lost
 
     def _walk(self, data: bytes, stop: i64, final: bool) -> list[Frame]:
         """The wanted frames that begin before ``stop`` in data, which begins at the last walk's ``_done``.
@@ -172,7 +177,7 @@ class Walker:
         message_id = message_id_at(data, at)
         sender = at + (5 if data[at] == MAGIC_V2 else 3)
         self.frames += 1
-        self._follow_sequence(data[sender], data[sender + 1], data[sender - 1])
+        self._sequences.follow(data[sender], data[sender + 1], data[sender - 1])
         if self._is_wanted[message_id]:
             length: i64 = data[at + 1]
             self._out.append(
@@ -194,18 +199,6 @@ class Walker:
     def _arrival(self, size: i64) -> i64:
         """rx_ns of the frame of ``size`` bytes at the present place."""
         raise NotImplementedError
-
-    def _follow_sequence(self, system: i64, component: i64, sequence: i64) -> None:
-        """Counts the frames missing since this sender's last one; a gap above 127 is a late or repeated frame."""
-        row = self._sequences[system]
-        if not row:
-            row = [-1] * 256
-            self._sequences[system] = row
-        last: i64 = row[component]
-        gap: i64 = (sequence - last - 1) & 0xFF if last >= 0 else 0
-        if gap < 128:
-            self.lost += gap
-            row[component] = sequence
 
     def _pass(self, size: i64) -> None:
         """Goes behind the frame of ``size`` bytes at the present place; the next one is expected there."""
