@@ -76,10 +76,10 @@ def test_speed_makes_time_go_faster(start, listener):
     sock, port = listener
     began = time.monotonic()
     process = start("--link", f"udpout:127.0.0.1:{port}", "--duration", "20", "--speed", "20", "--scenario", "still")
-    messages = gather(sock, lambda m: len(m.get("HEARTBEAT", [])) == 21)
+    # Datagrams may be lost at this speed, so their number proves nothing; the time that they carry does.
+    gather(sock, lambda m: "RAW_IMU" in m and m["RAW_IMU"][-1].time_usec > 15_000_000)
+    assert time.monotonic() - began < 15.0  # what it would take at speed 1
     assert process.wait(TIMEOUT_S) == 0
-    assert messages["RAW_IMU"][-1].time_usec == pytest.approx(20_000_000, abs=40_000)
-    assert time.monotonic() - began < 20.0  # what it would take at speed 1
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
