@@ -11,9 +11,11 @@ import msgspec
 from msgspec import Meta
 
 from attest_mav.filters.base import AttitudeFilter
+from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.filters.gradient_descent import FixedField, GradientDescent
 from attest_mav.filters.leveling import Leveling
 from attest_mav.filters.robust_adaptive import RobustAdaptive
+from attest_mav.filters.velocity_aided import VelocityAided
 
 Positive = Annotated[float, Meta(gt=0.0)]
 NotNegative = Annotated[float, Meta(ge=0.0)]
@@ -23,6 +25,7 @@ Share = Annotated[float, Meta(gt=0.0, le=1.0)]
 _GRADIENT_DESCENT = GradientDescent()
 _ROBUST_ADAPTIVE = RobustAdaptive()
 _LEVELING = Leveling()
+_FLIGHT = FlightParameters()
 
 
 class GradientDescentConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -92,21 +95,36 @@ class LevelingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
         return Leveling(**msgspec.structs.asdict(self))
 
 
+class VelocityAidedConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What ``VelocityAided`` must know of the vehicle; its noises fit every vehicle and rate (``FlightParameters``)."""
+
+    low_pass_hz: Annotated[float, Meta(ge=0.0, le=1000.0)] = _FLIGHT.low_pass_hz
+    fix_delay_s: Annotated[float, Meta(ge=0.0, le=1.0)] = _FLIGHT.fix_delay_s
+    mag_delay_s: Annotated[float, Meta(ge=0.0, le=1.0)] = _FLIGHT.mag_delay_s
+    accel_bias_sigma: Annotated[float, Meta(ge=0.0, le=1.0)] = _FLIGHT.accel_bias_sigma
+
+    def build(self) -> AttitudeFilter:
+        """The filter with these parameters."""
+        return VelocityAided(FlightParameters(**msgspec.structs.asdict(self)))
+
+
 class FilterConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The filter that is published, and the parameters of each: one table a filter, named like it."""
 
-    name: Literal["gradient-descent", "robust-adaptive", "leveling"] = "gradient-descent"
+    name: Literal["gradient-descent", "robust-adaptive", "leveling", "velocity-aided"] = "gradient-descent"
     gradient_descent: GradientDescentConfig = msgspec.field(
         name="gradient-descent", default_factory=GradientDescentConfig
     )
     robust_adaptive: RobustAdaptiveConfig = msgspec.field(name="robust-adaptive", default_factory=RobustAdaptiveConfig)
     leveling: LevelingConfig = msgspec.field(default_factory=LevelingConfig)
+    velocity_aided: VelocityAidedConfig = msgspec.field(name="velocity-aided", default_factory=VelocityAidedConfig)
 
     def build(self) -> AttitudeFilter:
         """The chosen filter."""
-        chosen: dict[str, GradientDescentConfig | RobustAdaptiveConfig | LevelingConfig] = {
+        chosen: dict[str, GradientDescentConfig | RobustAdaptiveConfig | LevelingConfig | VelocityAidedConfig] = {
             "gradient-descent": self.gradient_descent,
             "robust-adaptive": self.robust_adaptive,
             "leveling": self.leveling,
+            "velocity-aided": self.velocity_aided,
         }
         return chosen[self.name].build()
