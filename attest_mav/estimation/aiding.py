@@ -139,7 +139,7 @@ class Aiding:
         if velocity is None or north == North.RELATIVE:
             return (None, (nan, nan, nan))
         v_north, v_east, _ = velocity.v_ned
-        if velocity.vertical_known or air is None:
+        if velocity.vertical_known or air is None or not isfinite(air.climb):
             return (velocity, rotate_back(q_nb, velocity.v_ned))
         return (velocity, rotate_back(q_nb, (v_north, v_east, -air.climb)))
 

@@ -154,3 +154,11 @@ def test_an_airspeed_that_is_not_known_is_never_fresh(imu):
     aiding.take(hud(1.0, airspeed=float("nan")))
     aids = aiding.aids(imu(1.0), EAST, North.TRUE)
     assert (aids.forward_speed_fresh, aids.airspeed_fresh) == (False, False)
+
+
+def test_a_climb_that_is_not_known_leaves_the_horizontal_velocity(imu):
+    aiding = Aiding(AidSettings())
+    aiding.take(heartbeat(COPTER))
+    aiding.take(AirDataSample("VFR_HUD", 1, 1, S, 0.0, 5.0, float("nan")))
+    aiding.take(velocity(1.0, (3.0, 7.0, 0.0)))
+    assert aiding.aids(imu(1.0), EAST, North.TRUE).forward_speed == pytest.approx(7.0)
