@@ -12,7 +12,7 @@ from attest_mav import algebra
 from attest_mav.algebra import q_exp, q_heading, q_mul, q_unit, rotate_back
 from attest_mav.filters.base import Aids, Start
 from attest_mav.filters.registry import default_filter
-from attest_mav.types import ImuSample, North
+from attest_mav.types import ImuSample, North, VelocitySample
 
 STEPS = 100_000
 EVERY = 100
@@ -24,8 +24,13 @@ def attitudes(name, seed):
     chosen = default_filter(name)
     truth, rate, speed = q_heading(0.5), (0.0, 0.0, 0.0), 10.0
     state = chosen.initial(Start(truth, (0.0, 0.0, 0.0), North.MAGNETIC, (0.0, 0.0, -9.81), None))
+    t_ns, fix = 0, None
     for k in range(STEPS):
         dt_s = rng.choice((0.01, 0.02, 0.02, 0.04, 0.25))
+        t_ns += round(dt_s * 1e9)
+        if rng.random() < 0.1:
+            v_ned = (speed + rng.gauss(0.0, 0.1), rng.gauss(0.0, 1.0), 0.0)
+            fix = VelocitySample("GPS_RAW_INT", 1, 1, t_ns, t_ns, v_ned, False) if rng.random() < 0.9 else None
         rate = tuple(0.98 * w + rng.gauss(0.0, 0.1) for w in rate)
         speed = 0.999 * speed + rng.gauss(0.01, 0.1)
         truth = q_unit(q_mul(truth, q_exp(tuple(0.5 * dt_s * w for w in rate))))
@@ -33,16 +38,16 @@ def attitudes(name, seed):
         force = tuple(f + rng.gauss(0.0, outlier) for f in rotate_back(truth, (0.0, 0.0, -9.81)))
         field = tuple(b + rng.gauss(0.0, 0.01) for b in rotate_back(truth, (0.2, 0.0, 0.4)))
         sample = ImuSample(
-            "RANDOM", 1, 1, k, k, rate, force, field if rng.random() < 0.9 else None, rng.random() < 0.01
+            "RANDOM", 1, 1, t_ns, t_ns, rate, force, field if rng.random() < 0.9 else None, rng.random() < 0.01
         )
-        state = chosen.step(state, dt_s, sample, _aids(rng, speed))
+        state = chosen.step(state, dt_s, sample, _aids(rng, speed, fix))
         if k % EVERY == 0:
             yield [*state.q_nb, state.tilt_sigma, state.heading_sigma]
 
 
-def _aids(rng, speed):
+def _aids(rng, speed, fix):
     heading = rng.gauss(0.0, 1.0) if rng.random() < 0.01 else math.nan
-    return Aids(speed, rng.random() < 0.3, rng.random() < 0.05, 0.6, 0.1, heading=heading)
+    return Aids(speed, rng.random() < 0.3, rng.random() < 0.05, 0.6, 0.1, fix, heading=heading, inclination=1.1)
 
 
 if __name__ == "__main__":

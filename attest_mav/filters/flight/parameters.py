@@ -70,7 +70,7 @@ class FlightParameters:
     accel_noise: float = 0.02
     gyro_bias_walk: float = 2e-4
     accel_bias_walk: float = 1e-4
-    gyro_aliasing: float = 0.3
+    gyro_aliasing: float = 0.35
     accel_aliasing: float = 0.1
     aliasing_hold_s: float = 2.0
     velocity_sigma: float = 0.25
@@ -83,7 +83,7 @@ class FlightParameters:
     mag_floor: float = 0.005
     mag_ceiling: float = 0.05
     mag_knee: float = 1.5
-    mag_jitter_s: float = 0.03
+    mag_jitter_s: float = 0.04
     mag_gate: float = 4.0
     disturbance_free: float = 0.02
     disturbance_weight: float = 3.0
