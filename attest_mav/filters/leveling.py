@@ -16,7 +16,7 @@ from typing import Final, cast
 from attest_mav.algebra import dot, down_in_body, mat_vec, norm, q_continuous, q_from_matrix, q_to_matrix, scale, sub
 from attest_mav.filters.base import MAX_CORRECTION_DT_S, Aids, AttitudeFilter, FilterState, Start
 from attest_mav.filters.level_model import Level, corrected, floored, predicted, sound
-from attest_mav.filters.leveling_state import LevelingState, held
+from attest_mav.filters.leveling_state import LevelingState, Motion, held
 from attest_mav.filters.north_vector import (
     NorthVector,
     direction,
@@ -53,11 +53,13 @@ BLIND_NOISE: Final = 1.0
 class Leveling(AttitudeFilter):
     """Parameters; the defaults are for MEMS sensors. Variances are per component.
 
-    q_velocity, q_down: process noise, (m/s)^2/s and 1/s. r_speed: of a forward speed, (m/s)^2. r_stationary: of the
-    velocity of a standing vehicle, (m/s)^2. r_sideslip: of the velocity sideways and downwards in the body, (m/s)^2;
-    infinite: these rows are not used. r_length_start, r_length: of the squared length of the down vector, before and
-    after its components are known to ``LEVEL_FOUND``.
-    spacing_s: time between constraint rows (zero velocity, unit length).
+    q_velocity, q_down: process noise, (m/s)^2/s and 1/s.
+    r_speed: of a forward speed, (m/s)^2. r_sideslip: of the velocity sideways and downwards in the body, (m/s)^2;
+    infinite: these rows are not used. r_stationary: of the velocity of a standing vehicle, (m/s)^2.
+    r_unaided: of the velocity of a vehicle whose speed nobody tells, about the last one known, (m/s)^2: large, since
+    many rows see the same motion.
+    r_length_start, r_length: of the squared length of the down vector, before and after the level is found.
+    spacing_s: time between rows without a reading (kept velocity, unit length).
     p0_velocity, p0_down, p0_down_moving: variances at the start; the last for a vehicle that did not rest.
     heading_time_s: time constant with which the heading follows the magnetometer. heading_noise: growth of its
     variance, rad^2/s. r_heading: variance of one magnetic heading, rad^2. gravity: m/s^2.
@@ -66,8 +68,9 @@ class Leveling(AttitudeFilter):
     q_velocity: float = 1e-3
     q_down: float = 1e-5
     r_speed: float = 0.01
-    r_stationary: float = 1e-4
     r_sideslip: float = 0.09
+    r_stationary: float = 1e-4
+    r_unaided: float = 1e3
     r_length_start: float = 0.7
     r_length: float = 0.1
     spacing_s: float = 0.05
@@ -89,9 +92,12 @@ class Leveling(AttitudeFilter):
         axes = q_to_matrix(start.q_nb)
         p0_down = self.p0_down if start.at_rest else self.p0_down_moving
         level = Level((0.0, 0.0, 0.0), axes[2], diagonal(self.p0_velocity), diagonal(0.0), diagonal(p0_down))
-        north = NorthVector(axes[0], self.r_heading, start.north != North.RELATIVE, False)
+        # In motion the heading of the alignment is levelled by a down direction that may be far off.
+        known = start.at_rest and start.north != North.RELATIVE
+        north = NorthVector(axes[0], self.r_heading, known, False)
+        motion = Motion(False, False, (0.0, 0.0, 0.0))
         return LevelingState(
-            start.q_nb, start.gyro_bias, False, False, level, north, False, False, self.spacing_s, (nan, nan, nan), nan
+            start.q_nb, start.gyro_bias, False, False, level, north, motion, self.spacing_s, (nan, nan, nan), nan
         )
 
     def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: Aids) -> LevelingState:
@@ -110,15 +116,17 @@ class Leveling(AttitudeFilter):
 
         waited_s = before.waited_s + dt_s
         due = waited_s > self.spacing_s - 0.5 * dt_s
-        x, moving, velocity_innovation = self._measure_velocity(x, before, aids, due)
+        x, motion, velocity_innovation = self._measure_velocity(x, before.motion, aids, due)
+        found = largest_variance(x.p_dd) < LEVEL_FOUND * LEVEL_FOUND
         length_innovation = nan
         if due:
             length_innovation = 1.0 - dot(x.down, x.down)
-            x = corrected(x, (0.0, 0.0, 0.0), scale(x.down, 2.0), length_innovation, self._length_variance(x))
+            r_length = self.r_length if found else self.r_length_start
+            x = corrected(x, (0.0, 0.0, 0.0), scale(x.down, 2.0), length_innovation, r_length)
 
         down = direction(x.down, was_down)
         turned = mat_vec(axes_turn(scale(sub(gyro, earth), dt_s)), before.north.direction)
-        north = self._follow_field(before.north, levelled(turned, down), down, dt_s, sample, aids)
+        north = self._follow_field(before.north, levelled(turned, down), down, found, dt_s, sample, aids)
         q = q_continuous(q_from_matrix(level_axes(north.direction, down)), before.q_nb)
         if not sound(x):
             q = (nan, nan, nan, nan)  # which asks for a new start
@@ -129,8 +137,7 @@ class Leveling(AttitudeFilter):
             north.from_field,
             floored(x),
             north,
-            aids.stationary,
-            moving,
+            motion,
             0.0 if due else waited_s,
             velocity_innovation,
             length_innovation,
@@ -147,17 +154,20 @@ class Leveling(AttitudeFilter):
             x = predicted(x, gyro, earth, accel, self.gravity, part_s, q_velocity, boost * self.q_down)
         return x
 
-    def _measure_velocity(self, x: Level, before: LevelingState, aids: Aids, due: bool) -> tuple[Level, bool, Vec3]:
-        """x after the rows of the model in use, whether that is the moving one, and the innovations."""
+    def _measure_velocity(self, x: Level, before: Motion, aids: Aids, due: bool) -> tuple[Level, Motion, Vec3]:
+        """x after the rows of the model in use, that model, and the innovations."""
         if aids.stationary:
             if not before.stationary:
                 x = self._with_velocity(x, (0.0, 0.0, 0.0))
-            return self._take_rest(x) if due else (x, False, (nan, nan, nan))
-        if not aids.forward_speed_fresh or not abs(aids.forward_speed) < MAX_SPEED:
-            return (x, before.moving, (nan, nan, nan))
+            return self._keep(x, Motion(True, False, (0.0, 0.0, 0.0)), self.r_stationary, due)
+        if not abs(aids.forward_speed) < MAX_SPEED:
+            return self._keep(x, Motion(False, False, before.velocity), self.r_unaided, due)
+        if not aids.forward_speed_fresh:
+            return (x, Motion(False, before.moving, before.velocity), (nan, nan, nan))
         if not before.moving:
             x = self._with_velocity(x, (aids.forward_speed, _known(aids.side_speed), _known(aids.down_speed)))
-        return self._take_speed(x, aids)
+        x, innovation = self._take_speed(x, aids)
+        return (x, Motion(False, True, x.velocity), innovation)
 
     def _with_velocity(self, x: Level, velocity: Vec3) -> Level:
         """x with its velocity started anew.
@@ -167,14 +177,16 @@ class Leveling(AttitudeFilter):
         """
         return Level(velocity, x.down, diagonal(self.p0_velocity), diagonal(0.0), x.p_dd)
 
-    def _take_rest(self, x: Level) -> tuple[Level, bool, Vec3]:
-        """The rows of the stationary model, eq. (32)."""
-        x, forward = _take_row(x, (1.0, 0.0, 0.0), 0.0, self.r_stationary)
-        x, side = _take_row(x, (0.0, 1.0, 0.0), 0.0, self.r_stationary)
-        x, down = _take_row(x, (0.0, 0.0, 1.0), 0.0, self.r_stationary)
-        return (x, False, (forward, side, down))
+    def _keep(self, x: Level, motion: Motion, variance: float, due: bool) -> tuple[Level, Motion, Vec3]:
+        """The rows of the stationary model, eq. (32); also, with a large variance, of a vehicle without a speed."""
+        if not due:
+            return (x, motion, (nan, nan, nan))
+        x, forward = _take_row(x, (1.0, 0.0, 0.0), motion.velocity[0], variance)
+        x, side = _take_row(x, (0.0, 1.0, 0.0), motion.velocity[1], variance)
+        x, down = _take_row(x, (0.0, 0.0, 1.0), motion.velocity[2], variance)
+        return (x, motion, (forward, side, down))
 
-    def _take_speed(self, x: Level, aids: Aids) -> tuple[Level, bool, Vec3]:
+    def _take_speed(self, x: Level, aids: Aids) -> tuple[Level, Vec3]:
         """The rows of the moving model, eq. (29), with those for a vehicle that goes where it points."""
         side, down = nan, nan
         x, forward = _take_row(x, (1.0, 0.0, 0.0), aids.forward_speed, self.r_speed)
@@ -183,27 +195,24 @@ class Leveling(AttitudeFilter):
                 x, side = _take_row(x, (0.0, 1.0, 0.0), aids.side_speed, self.r_sideslip)
             if abs(aids.down_speed) < MAX_SPEED:
                 x, down = _take_row(x, (0.0, 0.0, 1.0), aids.down_speed, self.r_sideslip)
-        return (x, True, (forward, side, down))
-
-    def _length_variance(self, x: Level) -> float:
-        """Variance of the unit-length row: a loose one until the down vector is found, or the row makes it diverge."""
-        found = largest_variance(x.p_dd) < LEVEL_FOUND * LEVEL_FOUND
-        return self.r_length if found else self.r_length_start
+        return (x, (forward, side, down))
 
     def _follow_field(
-        self, before: NorthVector, north: Vec3, down: Vec3, dt_s: float, sample: ImuSample, aids: Aids
+        self, before: NorthVector, north: Vec3, down: Vec3, found: bool, dt_s: float, sample: ImuSample, aids: Aids
     ) -> NorthVector:
-        """The heading after this sample: as supplied, or drawn to the magnetometer, or as the gyro turned it."""
+        """The heading after this sample: as supplied, or drawn to the magnetometer, or as the gyro turned it.
+
+        One that was not known becomes the magnetometer's, until the level is found and it counts as known.
+        """
         if abs(aids.heading) < MAX_HEADING:
             return NorthVector(north_from_heading(aids.heading, down, north), self.r_heading, True, False)
         variance = before.variance + self.heading_noise * dt_s
         error = field_error(north, down, sample.mag) if sample.mag is not None else nan
         if isnan(error):
             return NorthVector(north, min(variance, pi * pi), before.known, False)
-        # The first field found sets the heading; later ones draw it.
         gain = min(dt_s, MAX_CORRECTION_DT_S) / self.heading_time_s if before.known else 1.0
         variance = (1.0 - gain) * (1.0 - gain) * variance + gain * gain * self.r_heading
-        return NorthVector(turned_right(north, down, gain * error), variance, True, True)
+        return NorthVector(turned_right(north, down, gain * error), variance, before.known or found, True)
 
 
 def _take_row(x: Level, axis: Vec3, measured: float, variance: float) -> tuple[Level, float]:

@@ -27,7 +27,7 @@ class NorthVector:
     """A heading, as a direction in the body.
 
     direction: north, unit and level. variance: of the heading, rad^2. known: False while it is only where a start
-    without field put it. from_field: the last step used the magnetometer.
+    without field or in motion put it. from_field: the last step used the magnetometer.
     """
 
     def __init__(self, direction: Vec3, variance: float, known: bool, from_field: bool) -> None:

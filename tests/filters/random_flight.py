@@ -47,6 +47,7 @@ def attitudes(name, seed):
 
 def _aids(rng, speed, fix):
     heading = rng.gauss(0.0, 1.0) if rng.random() < 0.01 else math.nan
+    speed = math.nan if rng.random() < 0.1 else speed
     return Aids(speed, rng.random() < 0.3, rng.random() < 0.05, 0.6, 0.1, fix, heading=heading, inclination=1.1)
 
 

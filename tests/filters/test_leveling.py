@@ -136,7 +136,7 @@ def test_the_first_speed_starts_the_velocity_without_touching_the_attitude():
     tilted = q_from_euler(0.1, -0.1, 0.0)
     before = run(Leveling(), [(reading(), NO_AIDS)] * 20, q=tilted)
     after = Leveling().step(before, 0.02, reading(), moving(25.0))
-    assert after.moving
+    assert after.motion.moving
     assert after.level.velocity == pytest.approx((25.0, 0.0, 0.0), abs=0.01)
     assert tilt_between(after.q_nb, before.q_nb) < radians(0.1)
 
@@ -154,6 +154,31 @@ def replace_aids(aids, stationary):
     return Aids(aids.forward_speed, aids.forward_speed_fresh, stationary)
 
 
+def test_without_any_speed_it_levels_by_the_mean_specific_force():
+    """A minute of swinging about level, 3 m/s^2 to and fro: the mean shows gravity. Then a speed comes, and rules."""
+    swing = [(reading(accel=(3.0 * sin(0.02 * k * 2.0), 0.0, -G_MPS2)), NO_AIDS) for k in range(3000)]
+    state = run(Leveling(), swing, q=q_from_euler(0.2, 0.2, 0.0))
+    assert tilt_between(state.q_nb, ONE) < radians(2.0)
+    assert not state.motion.moving
+    aided = run(Leveling(), [(reading(), moving(30.0))] * 100, state)
+    assert aided.motion.moving
+    assert tilt_between(aided.q_nb, state.q_nb) < radians(2.0)
+
+
+def test_a_vehicle_whose_speed_is_lost_is_taken_to_keep_it():
+    """Half a minute without a speed, half of it in a turn; then the speed is back, and different."""
+    _, turn = turning_steps(radians(20.0), 30.0, 15.0)
+    cruising = run(Leveling(), [(reading(), moving(30.0))] * 200)
+    straight = run(Leveling(), [(reading(), NO_AIDS)] * 750, cruising)
+    assert tilt_between(straight.q_nb, ONE) < radians(0.1)
+    banked = q_mul(straight.q_nb, q_from_euler(radians(20.0), 0.0, 0.0))
+    lost = run(Leveling(), [(reading((radians(20.0), 0.0, 0.0)), NO_AIDS)] * 50, straight)
+    lost = run(Leveling(), [(sample, NO_AIDS) for sample, _ in turn], lost)
+    assert tilt_between(lost.q_nb, banked) < radians(1.0)
+    found = run(Leveling(), turning_steps(radians(20.0), 26.0, 5.0)[1], lost)
+    assert tilt_between(found.q_nb, banked) < radians(1.0)
+
+
 def test_only_a_fresh_speed_is_a_reading():
     state = run(Leveling(), [(reading(), moving(5.0))] * 10)
     stale = Leveling().step(state, 0.02, reading(), Aids(forward_speed=50.0))
@@ -164,7 +189,7 @@ def test_only_a_fresh_speed_is_a_reading():
 @pytest.mark.parametrize("speed", [nan, inf, -inf, 1e9])
 def test_a_senseless_speed_is_not_used(speed):
     state = run(Leveling(), [(reading(), moving(speed))] * 10)
-    assert not state.moving
+    assert not state.motion.moving
     assert state.q_nb == pytest.approx(ONE)
 
 
@@ -177,10 +202,17 @@ def test_constraint_rows_come_at_their_spacing():
 
 
 def test_the_length_row_is_loose_until_the_level_is_found():
-    loose = Leveling(p0_down=1.0)
-    x = started(loose).level
-    assert loose._length_variance(x) == 0.7
-    assert loose._length_variance(run(loose, [(reading(), STANDING)] * 200).level) == 0.1
+    """A tight one from the start makes some of these starts diverge."""
+
+    def pull(r_length):
+        """How much one unit-length row takes off a down vector that is ten percent too long."""
+        filter_ = Leveling(p0_down=1.0, r_length_start=0.7, r_length=r_length)
+        found = run(filter_, [(reading(), STANDING)] * 200)
+        loose, tight = (filter_.step(state, 0.02, reading(), STANDING) for state in (started(filter_), found))
+        return loose.level.p_dd[2][2], tight.level.p_dd[2][2]
+
+    assert pull(0.1)[0] == pull(0.01)[0]
+    assert pull(0.1)[1] > pull(1e-6)[1]
 
 
 # --- heading ------------------------------------------------------------------------------------------------------
@@ -204,6 +236,15 @@ def test_without_a_field_the_heading_is_relative_and_turns_with_the_gyro():
 def test_the_first_field_after_a_start_without_one_sets_the_heading():
     state = Leveling().step(started(Leveling(), q_heading(2.0), North.RELATIVE), 0.02, reading(), STANDING)
     assert abs(heading_between(state.q_nb, ONE)) < 1e-9
+    assert not state.north.known
+    assert run(Leveling(), [(reading(), STANDING)] * 50, state).north.known
+
+
+def test_a_start_in_motion_takes_its_heading_when_the_level_is_found():
+    """The alignment's heading was levelled by a down direction 40 degrees off."""
+    truth, steps = turning_steps(radians(40.0), 22.0, 5.0)
+    state = run(Leveling(), steps, started(Leveling(), q_heading(1.0), at_rest=False))
+    assert abs(heading_between(state.q_nb, truth[-1])) < radians(3.0)
     assert state.north.known
 
 
