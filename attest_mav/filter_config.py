@@ -78,6 +78,7 @@ class LevelingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     q_down: Annotated[float, Meta(ge=0.0, le=1e3)] = _LEVELING.q_down
     r_speed: Annotated[float, Meta(gt=0.0, le=1e6)] = _LEVELING.r_speed
     r_stationary: Annotated[float, Meta(gt=0.0, le=1e6)] = _LEVELING.r_stationary
+    r_unaided: Positive = _LEVELING.r_unaided
     r_sideslip: Positive = _LEVELING.r_sideslip
     r_length_start: Annotated[float, Meta(gt=0.0, le=1e6)] = _LEVELING.r_length_start
     r_length: Annotated[float, Meta(gt=0.0, le=1e6)] = _LEVELING.r_length

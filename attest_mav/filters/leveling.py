@@ -57,7 +57,7 @@ class Leveling(AttitudeFilter):
     r_speed: of a forward speed, (m/s)^2. r_sideslip: of the velocity sideways and downwards in the body, (m/s)^2;
     infinite: these rows are not used. r_stationary: of the velocity of a standing vehicle, (m/s)^2.
     r_unaided: of the velocity of a vehicle whose speed nobody tells, about the last one known, (m/s)^2: large, since
-    many rows see the same motion.
+    many rows see the same motion; infinite: nothing is assumed.
     r_length_start, r_length: of the squared length of the down vector, before and after the level is found.
     spacing_s: time between rows without a reading (kept velocity, unit length).
     p0_velocity, p0_down, p0_down_moving: variances at the start; the last for a vehicle that did not rest.
@@ -179,7 +179,7 @@ class Leveling(AttitudeFilter):
 
     def _keep(self, x: Level, motion: Motion, variance: float, due: bool) -> tuple[Level, Motion, Vec3]:
         """The rows of the stationary model, eq. (32); also, with a large variance, of a vehicle without a speed."""
-        if not due:
+        if not due or isinf(variance):
             return (x, motion, (nan, nan, nan))
         x, forward = _take_row(x, (1.0, 0.0, 0.0), motion.velocity[0], variance)
         x, side = _take_row(x, (0.0, 1.0, 0.0), motion.velocity[1], variance)

@@ -165,6 +165,13 @@ def test_without_any_speed_it_levels_by_the_mean_specific_force():
     assert tilt_between(aided.q_nb, state.q_nb) < radians(2.0)
 
 
+def test_rows_with_an_infinite_variance_are_left_out():
+    state = run(Leveling(r_unaided=inf, r_sideslip=inf), [(reading(), NO_AIDS), (reading(), moving(5.0))] * 20)
+    assert q_norm(state.q_nb) == pytest.approx(1.0)
+    assert isnan(state.velocity_innovation[1])
+    assert state.level.velocity[0] == pytest.approx(5.0, abs=0.1)
+
+
 def test_a_vehicle_whose_speed_is_lost_is_taken_to_keep_it():
     """Half a minute without a speed, half of it in a turn; then the speed is back, and different."""
     _, turn = turning_steps(radians(20.0), 30.0, 15.0)
