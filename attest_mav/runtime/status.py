@@ -61,6 +61,7 @@ class StatusLine:
             parts.append(attitude_text(estimate))
             if service.pipeline is not None and service.pipeline.verdict is not None:
                 parts.append(verdict_text(service.pipeline.verdict))
+            parts += _speed_text(service)
         held = [port.name for port in service.companion.ports if port.held]
         parts.append(f"sent {sent_hz:.1f} Hz" + (f", held back on {', '.join(held)}" if held else ""))
         return " | ".join(parts)
@@ -99,3 +100,11 @@ def _imu_text(service: "Service", hz: float) -> str:
     if stream.ceiling_hz > 0.0:
         return f"{asked} (the autopilot's limit)"
     return asked if stream.answer in {"", "accepted"} else f"{asked} ({stream.answer})"
+
+
+def _speed_text(service: "Service") -> list[str]:
+    """Where the speed comes from, for the filter that needs one."""
+    pipeline = service.pipeline
+    if pipeline is None or service.config.filter.name != "leveling" or pipeline.primary not in pipeline.lanes:
+        return []
+    return [f"speed from {pipeline.lanes[pipeline.primary].aiding.speed_source}"]

@@ -86,6 +86,13 @@ def test_what_is_not_independent_is_said(flight):
     assert line.split(" | ")[1].endswith("not independent of the autopilot's filter")
 
 
+@pytest.mark.parametrize(("scenario", "source"), [("coordinated-turns", "airspeed"), ("hover", "GPS_RAW_INT")])
+def test_the_speed_that_leveling_uses_is_said(flight, scenario, source):
+    f = flight("[filter]\nname = 'leveling'", sim(scenario=scenario))
+    f.run_until(4.0)
+    assert f"speed from {source}" in StatusLine(0).write(f.service, f.now_ns).split(" | ")
+
+
 def test_an_attitude_that_is_held_back_is_said(flight):
     f = flight()
     f.run_until(3.0)
