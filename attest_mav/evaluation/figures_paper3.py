@@ -9,15 +9,12 @@ from attest_mav.evaluation.harness import TrialMap
 from attest_mav.evaluation.motion import Array
 from attest_mav.evaluation.paper3 import (
     LOOSE_LENGTH,
-    PAPER,
-    PAPER_STANDING,
     STANDING_AS_PRINTED,
     covariance_setting,
     down_sigma,
     ensemble,
 )
 from attest_mav.evaluation.underwater import STANDING, STRAIGHT, WINDING, Setting
-from attest_mav.filters.leveling import Leveling
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -45,20 +42,20 @@ def covariances(_seed: int, _trial_map: TrialMap) -> "Figure":
 def moving(seed: int, trial_map: TrialMap) -> "Figure":
     """Figures 6 and 7."""
     title = "Paper 3, figures 6 and 7: winding course, 100 runs from starts 45 deg wrong"
-    return _ensemble_figure(title, PAPER, Setting(), (0.083, 0.058), seed, trial_map)
+    return _ensemble_figure(title, "paper", Setting(), (0.083, 0.058), seed, trial_map)
 
 
 def standing(seed: int, trial_map: TrialMap) -> "Figure":
     """Figures 8 and 9."""
     title = "Paper 3, figures 8 and 9: standing, 100 runs from starts 45 deg wrong"
-    return _ensemble_figure(title, PAPER_STANDING, STANDING_AS_PRINTED, (-0.051, 0.054), seed, trial_map)
+    return _ensemble_figure(title, "paper standing", STANDING_AS_PRINTED, (-0.051, 0.054), seed, trial_map)
 
 
 def _ensemble_figure(
-    title: str, chosen: Leveling, setting: Setting, printed: tuple[float, float], seed: int, trial_map: TrialMap
+    title: str, tuning: str, setting: Setting, printed: tuple[float, float], seed: int, trial_map: TrialMap
 ) -> "Figure":
     """Mean and standard deviation of the errors over time; dashed: the mean that the paper prints for the end."""
-    errors = ensemble(chosen, setting, RUNS, seed, trial_map)
+    errors = ensemble(tuning, setting, RUNS, seed, trial_map)
     time_s = _time_s(errors.shape[1], setting.rate_hz)
     figure = sheet(9.0, 3.6, title)
     mean_axes, deviation_axes = figure.subplots(1, 2)

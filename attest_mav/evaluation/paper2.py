@@ -40,13 +40,22 @@ LOGIC: Final = replace(
 )
 RECOMMENDED: Final = RobustAdaptive()
 
+VARIANTS: Final = {
+    "plain": PLAIN,
+    "printed": PRINTED,
+    "robust": ROBUST,
+    "logic": LOGIC,
+    "recommended": RECOMMENDED,
+}
+"""By the names that trials carry to their processes: compiled, a frozen record does not survive pickling."""
+
 
 @dataclass(frozen=True)
 class Trial:
     """One run of the stand, filtered by each variant."""
 
     setting: Setting
-    variants: tuple[RobustAdaptive, ...]
+    variants: tuple[str, ...]
     seed: int
     run: int
 
@@ -54,7 +63,7 @@ class Trial:
 def run_trial(trial: Trial) -> list[list[float]]:
     """Peaks of roll, pitch and yaw, degrees, and when the yaw error last was 1 degree, s; a row a variant."""
     run = stand_run(trial.setting, np.random.default_rng([trial.seed, trial.run]))
-    errors = [angle_errors(each, run) for each in trial.variants]
+    errors = [angle_errors(VARIANTS[name], run) for name in trial.variants]
     return [[*peaks(each).tolist(), _last_off_s(each[:, 2])] for each in errors]
 
 
@@ -72,7 +81,7 @@ class Campaign:
     seed: int
     trial_map: TrialMap
 
-    def results(self, setting: Setting, *variants: RobustAdaptive, share: float = 1.0) -> list[Array]:
+    def results(self, setting: Setting, *variants: str, share: float = 1.0) -> list[Array]:
         """For each variant the rows of ``run_trial``, shape (runs, 4). ``share``: only this share of the runs."""
         runs = max(1, round(share * self.runs))
         trials = [Trial(setting, variants, self.seed, run) for run in range(runs)]
@@ -97,14 +106,14 @@ def _medians(name: str, results: Array) -> dict[str, float]:
 
 def clean(runs: int, seed: int, trial_map: TrialMap) -> dict[str, float]:
     """P2-a."""
-    printed, recommended = Campaign(runs, seed, trial_map).results(CLEAN, PRINTED, RECOMMENDED)
+    printed, recommended = Campaign(runs, seed, trial_map).results(CLEAN, "printed", "recommended")
     return {"printed_worst_deg": _worst(printed), "recommended_worst_deg": _worst(recommended)}
 
 
 def sparse(runs: int, seed: int, trial_map: TrialMap) -> dict[str, float]:
     """P2-b."""
-    variants = (PLAIN, PRINTED, ROBUST, RECOMMENDED)
-    plain, printed, robust, recommended = Campaign(runs, seed, trial_map).results(SPARSE, *variants)
+    names = ("plain", "printed", "robust", "recommended")
+    plain, printed, robust, recommended = Campaign(runs, seed, trial_map).results(SPARSE, *names)
     return {
         "printed_success": _success(printed),
         "robust_success": _success(robust),
@@ -116,9 +125,9 @@ def sparse(runs: int, seed: int, trial_map: TrialMap) -> dict[str, float]:
 def contaminated(runs: int, seed: int, trial_map: TrialMap) -> dict[str, float]:
     """P2-c; the worst cases are those of 12 runs in 100."""
     campaign = Campaign(runs, seed, trial_map)
-    (robust,) = campaign.results(PAPER_LEVEL, ROBUST)
-    (paper_level,) = campaign.results(PAPER_LEVEL, LOGIC, share=0.12)
-    (gross,) = campaign.results(GROSS, LOGIC, share=0.12)
+    (robust,) = campaign.results(PAPER_LEVEL, "robust")
+    (paper_level,) = campaign.results(PAPER_LEVEL, "logic", share=0.12)
+    (gross,) = campaign.results(GROSS, "logic", share=0.12)
     return {
         "logic_s2_worst_deg": _worst(paper_level),
         "logic_s3_worst_deg": _worst(gross),
@@ -128,25 +137,25 @@ def contaminated(runs: int, seed: int, trial_map: TrialMap) -> dict[str, float]:
 
 def gross(runs: int, seed: int, trial_map: TrialMap) -> dict[str, float]:
     """P2-d."""
-    (recommended,) = Campaign(runs, seed, trial_map).results(GROSS, RECOMMENDED)
+    (recommended,) = Campaign(runs, seed, trial_map).results(GROSS, "recommended")
     return {**_medians("recommended", recommended), "recommended_worst_deg": _worst(recommended)}
 
 
 def gross_printed(runs: int, seed: int, trial_map: TrialMap) -> dict[str, float]:
     """P2-e."""
-    (printed,) = Campaign(runs, seed, trial_map).results(GROSS, PRINTED)
+    (printed,) = Campaign(runs, seed, trial_map).results(GROSS, "printed")
     return {"printed_roll_deg": _medians("printed", printed)["printed_roll_deg"]}
 
 
 def magnetic(runs: int, seed: int, trial_map: TrialMap) -> dict[str, float]:
     """P2-f."""
-    (recommended,) = Campaign(runs, seed, trial_map).results(MAGNETIC, RECOMMENDED)
+    (recommended,) = Campaign(runs, seed, trial_map).results(MAGNETIC, "recommended")
     return {**_medians("recommended", recommended), "recommended_worst_deg": _worst(recommended)}
 
 
 def wrong_start(runs: int, seed: int, trial_map: TrialMap) -> dict[str, float]:
     """P2-g."""
-    (recommended,) = Campaign(runs, seed, trial_map).results(WRONG_START, RECOMMENDED)
+    (recommended,) = Campaign(runs, seed, trial_map).results(WRONG_START, "recommended")
     return {"recommended_recovery_s": float(recommended[:, 3].max())}
 
 

@@ -109,11 +109,18 @@ def test_variants_differ_from_the_paper_only_in_what_they_are_named_for():
 
 
 def test_a_trial_depends_on_its_seed_and_its_number_alone():
-    trial = Trial(SPARSE, (RECOMMENDED,), 3, 1)
+    trial = Trial(SPARSE, ("recommended",), 3, 1)
     assert run_trial(trial) == run_trial(trial)
     assert run_trial(trial) != run_trial(replace(trial, run=2))
     assert run_trial(trial) != run_trial(replace(trial, seed=4))
-    assert run_trial(replace(trial, variants=(PLAIN, RECOMMENDED)))[1:] == run_trial(trial)
+    assert run_trial(replace(trial, variants=("plain", "recommended")))[1:] == run_trial(trial)
+
+
+def test_the_number_of_processes_changes_nothing():
+    """What a trial carries must survive the way to another process, compiled too."""
+    (scenario,) = select(["P2-d"])
+    with processes(2) as over_two, processes(1) as in_this_one:
+        assert scenario.evaluate(2, 1, over_two) == scenario.evaluate(2, 1, in_this_one)
 
 
 def test_recovery_is_the_end_of_the_last_large_heading_error():
@@ -139,7 +146,7 @@ def test_equations_are_within_the_bounds(name, trial_map):
 
 def test_the_printed_filter_fails_where_its_parts_succeed(trial_map):
     campaign = paper2.Campaign(2, 1, trial_map)
-    printed, robust, logic = campaign.results(GROSS, PRINTED, ROBUST, LOGIC)
+    printed, robust, logic = campaign.results(GROSS, "printed", "robust", "logic")
     assert np.median(printed[:, 0]) > 5.0
     assert robust[:, :3].max() < 0.2
     assert logic[:, :3].max() < 0.2

@@ -11,7 +11,6 @@ from attest_mav.evaluation.paper3 import (
     LOOSE_LENGTH,
     NAVIGATION,
     NO_BIASES,
-    NO_SIDESLIP,
     PAPER,
     Trial,
     covariance_setting,
@@ -94,10 +93,17 @@ def test_starts_are_wrong_by_45_degrees_and_pitch_no_further_than_the_vertical()
 
 
 def test_a_trial_depends_on_its_seed_and_its_number_alone():
-    trial = Trial(PAPER, Setting(), 3, 1)
+    trial = Trial("paper", Setting(), 3, 1)
     assert (run_trial(trial) == run_trial(trial)).all()
     assert (run_trial(trial) != run_trial(replace(trial, run=2))).any()
     assert (run_trial(trial) != run_trial(replace(trial, seed=4))).any()
+
+
+def test_the_number_of_processes_changes_nothing():
+    """What a trial carries must survive the way to another process, compiled too."""
+    (scenario,) = select(["P3-d"])
+    with processes(2) as over_two, processes(1) as in_this_one:
+        assert scenario.evaluate(2, 1, over_two) == scenario.evaluate(2, 1, in_this_one)
 
 
 def test_figures_are_taken_over_the_runs_at_their_end():
@@ -127,10 +133,10 @@ def test_covariances_are_the_published_ones(course, stationary, at_5_s, at_30_s)
 
 
 def test_few_runs_come_near_the_figures(trial_map):
-    winding = final_figures(ensemble(NO_SIDESLIP, Setting(), 6, 1, trial_map))
+    winding = final_figures(ensemble("no sideslip", Setting(), 6, 1, trial_map))
     assert winding["mean_roll_deg"] == pytest.approx(0.0245, abs=0.003)
     assert winding["mean_pitch_deg"] == pytest.approx(0.036, abs=0.004)
-    unbiased = final_figures(ensemble(NO_SIDESLIP, Setting(sensors=NO_BIASES), 4, 1, trial_map))
+    unbiased = final_figures(ensemble("no sideslip", Setting(sensors=NO_BIASES), 4, 1, trial_map))
     assert abs(unbiased["mean_roll_deg"]) < 0.004
 
 
