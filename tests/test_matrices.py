@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from attest_mav import matrices as m
+from attest_mav.filters import matrices4 as m4
 
 
 def rows(array):
@@ -54,20 +55,20 @@ def test_diagonals_of_three_rows(rng):
 def test_products_of_four_rows(rng):
     a = rng.standard_normal((4, 4))
     u, v = rng.standard_normal((2, 4))
-    near(m.transpose4(rows(a)), a.T)
-    near(m.mat_vec4(rows(a), vector(v)), a @ v)
-    near(m.rank_one4(rows(a), vector(u), vector(v)), a + np.outer(u, v))
-    near(m.scaled4(rows(a), 2.5), 2.5 * a)
-    near(m.symmetric4(rows(a)), (a + a.T) / 2)
-    assert m.quadratic4(rows(a), vector(v)) == pytest.approx(v @ a @ v)
+    near(m4.transpose4(rows(a)), a.T)
+    near(m4.mat_vec4(rows(a), vector(v)), a @ v)
+    near(m4.rank_one4(rows(a), vector(u), vector(v)), a + np.outer(u, v))
+    near(m4.scaled4(rows(a), 2.5), 2.5 * a)
+    near(m4.symmetric4(rows(a)), (a + a.T) / 2)
+    assert m4.quadratic4(rows(a), vector(v)) == pytest.approx(v @ a @ v)
 
 
 def test_diagonals_of_four_rows(rng):
     a = rng.standard_normal((4, 4))
-    near(m.diagonal4(2.0), 2.0 * np.eye(4))
-    near(m.add_diagonal4(rows(a), 2.0), a + 2.0 * np.eye(4))
-    near(m.floor_diagonal4(rows(a), 0.3), np.where(np.eye(4, dtype=bool), np.maximum(a, 0.3), a))
-    assert m.largest_variance4(rows(a)) == a.diagonal().max()
+    near(m4.diagonal4(2.0), 2.0 * np.eye(4))
+    near(m4.add_diagonal4(rows(a), 2.0), a + 2.0 * np.eye(4))
+    near(m4.floor_diagonal4(rows(a), 0.3), np.where(np.eye(4, dtype=bool), np.maximum(a, 0.3), a))
+    assert m4.largest_variance4(rows(a)) == a.diagonal().max()
 
 
 @pytest.mark.parametrize("place", range(4))
@@ -75,8 +76,8 @@ def test_diagonals_of_four_rows(rng):
 def test_a_bad_variance_is_seen_wherever_it_is(place, value):
     broken = np.eye(4)
     broken[place, place] = value
-    assert m.no_negative_variance4(rows(np.eye(4)))
-    assert not m.no_negative_variance4(rows(broken))
+    assert m4.no_negative_variance4(rows(np.eye(4)))
+    assert not m4.no_negative_variance4(rows(broken))
     if place < 3:
         assert m.no_negative_variance(rows(np.eye(3)))
         assert not m.no_negative_variance(rows(broken[:3, :3]))
@@ -98,7 +99,7 @@ def test_one_row_of_a_kalman_filter(rng):
     p, h, r = covariance(rng, 4), rng.standard_normal(4), 0.3
     gain = p @ h / (h @ p @ h + r)
     left = np.eye(4) - np.outer(gain, h)
-    k, after = m.correction4(rows(p), vector(h), r)
+    k, after = m4.correction4(rows(p), vector(h), r)
     near(k, gain)
     near(after, left @ p @ left.T + r * np.outer(gain, gain), 1e-13)
 
@@ -109,7 +110,7 @@ def test_a_nearly_exact_row_leaves_its_own_variance(seed):
     rng = np.random.default_rng(seed)
     half = rng.standard_normal((4, 4))
     p, h, r = 1e6 * (half @ half.T + 0.1 * np.eye(4)), rng.standard_normal(4), 1e-8
-    _, after = m.correction4(rows(p), vector(h), r)
-    after = np.array(m.symmetric4(after))
+    _, after = m4.correction4(rows(p), vector(h), r)
+    after = np.array(m4.symmetric4(after))
     assert np.linalg.eigvalsh(after).min() > 0.0
     assert h @ after @ h == pytest.approx(r, rel=0.2)

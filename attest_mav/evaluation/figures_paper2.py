@@ -10,8 +10,8 @@ import numpy as np
 from attest_mav.evaluation.figure_style import BLUE, GREY, ORANGE, dress, legend, sheet
 from attest_mav.evaluation.harness import TrialMap
 from attest_mav.evaluation.motion import Array
-from attest_mav.evaluation.paper2 import LIMIT_DEG, LOGIC, PLAIN
-from attest_mav.evaluation.rotation_stand import PAPER_LEVEL, PRINTED, RATE_HZ, angle_errors, stand_run
+from attest_mav.evaluation.paper2 import LIMIT_DEG
+from attest_mav.evaluation.rotation_stand import LOGIC, PAPER_LEVEL, PLAIN, PRINTED, RATE_HZ, angle_errors, stand_run
 from attest_mav.filters.robust_adaptive import RobustAdaptive
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ from attest_mav.algebra import down_in_body, q_mul, q_to_euler, q_unit
 from attest_mav.evaluation.motion import Array
 from attest_mav.evaluation.rotation_stand import PRINTED
 from attest_mav.filters.base import Aids, Start
+from attest_mav.filters.matrices4 import Mat4
 from attest_mav.filters.quaternion_model import measurement_rows
 from attest_mav.filters.robust_adaptive import RobustAdaptive
-from attest_mav.matrices import Mat4
 from attest_mav.types import ImuSample, North, Quat
 
 STEP = 1e-5

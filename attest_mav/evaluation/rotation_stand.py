@@ -4,7 +4,7 @@ The stand turns about three axes for 40 s: roll and pitch through an angle A wit
 180 degrees in 40 s. The heading comes from an encoder, or in one setting from a magnetometer.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, nan, radians, sqrt
 from typing import Final
 
@@ -80,6 +80,25 @@ PRINTED: Final = RobustAdaptive(
     max_accel_error_g=inf,
 )
 """The paper's algorithm with the paper's Q, R and P0."""
+PLAIN: Final = replace(PRINTED, robust=False, adaptive=False)
+"""The extended Kalman filter without either factor."""
+ROBUST: Final = replace(PRINTED, adaptive=False)
+"""The printed one without its adaptive factor."""
+LOGIC: Final = replace(
+    RobustAdaptive(), c=PRINTED.c, r_heading=PRINTED.r_heading, gyro_noise=0.0, q_step=PRINTED.q_step, p0=PRINTED.p0
+)
+"""The recommended logic with the paper's noise and c."""
+RECOMMENDED: Final = RobustAdaptive()
+"""The filter's defaults."""
+
+VARIANTS: Final = {
+    "plain": PLAIN,
+    "printed": PRINTED,
+    "robust": ROBUST,
+    "logic": LOGIC,
+    "recommended": RECOMMENDED,
+}
+"""By the names that trials carry to their processes: compiled, a frozen record does not survive pickling."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from math import atan2, nan, sqrt
 from typing import Final
 
 from attest_mav.algebra import add, down_in_body, norm, q_mul, rotate, scale, wrap_pi
-from attest_mav.matrices import Mat4, add_diagonal4, quadratic4, rank_one4, scale4, transpose4
+from attest_mav.filters.matrices4 import Mat4, add_diagonal4, quadratic4, rank_one4, scale4, transpose4
 from attest_mav.types import Quat, Vec3
 
 MIN_HORIZONTAL_FIELD: Final = 0.1

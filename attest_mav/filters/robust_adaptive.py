@@ -15,15 +15,7 @@ from typing import Final, cast
 
 from attest_mav.algebra import norm, q_dot, q_exp, q_mul, q_norm, q_unit, scale, sub
 from attest_mav.filters.base import MAX_CORRECTION_DT_S, Aids, AttitudeFilter, FilterState, Start
-from attest_mav.filters.quaternion_model import (
-    accel_innovation,
-    heading_innovation,
-    measurement_rows,
-    predicted_covariance,
-    row_variances,
-)
-from attest_mav.filters.robust_adaptive_state import RobustAdaptiveState, held, unmeasured
-from attest_mav.matrices import (
+from attest_mav.filters.matrices4 import (
     Mat4,
     add4,
     correction4,
@@ -35,6 +27,14 @@ from attest_mav.matrices import (
     scaled4,
     symmetric4,
 )
+from attest_mav.filters.quaternion_model import (
+    accel_innovation,
+    heading_innovation,
+    measurement_rows,
+    predicted_covariance,
+    row_variances,
+)
+from attest_mav.filters.robust_adaptive_state import RobustAdaptiveState, held, unmeasured
 from attest_mav.types import G_MPS2, ImuSample, Quat
 
 MAX_RATE: Final = 1e3

@@ -6,8 +6,8 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.filters.base import FilterState
+from attest_mav.filters.matrices4 import Mat4
 from attest_mav.filters.quaternion_model import attitude_variances
-from attest_mav.matrices import Mat4
 from attest_mav.types import Quat, Vec3
 
 

@@ -8,12 +8,17 @@ import pytest
 
 from attest_mav.evaluation import paper2
 from attest_mav.evaluation.harness import processes
-from attest_mav.evaluation.paper2 import LOGIC, PLAIN, PRINTED, RECOMMENDED, ROBUST, Trial, run_trial
+from attest_mav.evaluation.paper2 import Trial, run_trial
 from attest_mav.evaluation.rotation_stand import (
     CLEAN,
     GROSS,
+    LOGIC,
     MAGNETIC,
     PAPER_LEVEL,
+    PLAIN,
+    PRINTED,
+    RECOMMENDED,
+    ROBUST,
     SPARSE,
     WRONG_START,
     Setting,

@@ -22,6 +22,7 @@ from attest_mav.algebra import (
 from attest_mav.evaluation.paper2_equations import gain_gap, jacobian_gap, undone_gain
 from attest_mav.evaluation.rotation_stand import PRINTED
 from attest_mav.filters.base import Aids, Start
+from attest_mav.filters.matrices4 import add4, diagonal4, scaled4
 from attest_mav.filters.quaternion_model import (
     accel_innovation,
     attitude_variances,
@@ -31,7 +32,6 @@ from attest_mav.filters.quaternion_model import (
     row_variances,
 )
 from attest_mav.filters.robust_adaptive import RobustAdaptive
-from attest_mav.matrices import add4, diagonal4, scaled4
 from attest_mav.types import G_MPS2, ImuSample, North
 
 Q = q_from_euler(0.1, -0.2, 0.3)
