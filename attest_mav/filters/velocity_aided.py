@@ -22,7 +22,7 @@ from attest_mav.filters.flight.beginning import beginning, redeclined
 from attest_mav.filters.flight.compass import field_of
 from attest_mav.filters.flight.fixes import low_pass_delay_s
 from attest_mav.filters.flight.flying import Aid, Flying, flown
-from attest_mav.filters.flight.motion import is_sound
+from attest_mav.filters.flight.motion import is_sound, rate_of
 from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.filters.flight.strapdown import MAX_RATE, Reading, read
 from attest_mav.types import ImuSample, North, Quat, Vec3
@@ -161,7 +161,7 @@ class VelocityAided(AttitudeFilter):
     def _shown(self, flying: Flying, previous: Quat) -> VelocityAidedState:
         """The state that shows this estimate: the attitude now, not the one that the low-passed sensors see."""
         motion = flying.motion
-        rate = sub(flying.strapdown.gyro, motion.gyro_bias)
+        rate = rate_of(motion, flying.strapdown.gyro)
         q_nb = q_mul(motion.q_nb, q_exp(scale(rate, 0.5 * low_pass_delay_s(self.parameters))))
         return VelocityAidedState(
             q_continuous(q_nb, previous),

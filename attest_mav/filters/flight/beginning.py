@@ -80,14 +80,15 @@ def _first_motion(begin: Begin, bias: Vec3, declined: bool, settings: FlightPara
     none = diagonal(0.0)
     zero: Vec3 = (0.0, 0.0, 0.0)
     p = Covariance(
-        begin.attitude, none, none, none, none, none,
-        diagonal(begin.velocity_sigma**2), none, none, none, none,
-        diagonal(settings.gyro_bias_sigma**2), none, none, none,
+        begin.attitude, none, none, none, none, none, none,
+        diagonal(begin.velocity_sigma**2), none, none, none, none, none,
+        diagonal(settings.gyro_bias_sigma**2), none, none, none, none,
+        diagonal(settings.gyro_scale_sigma**2), none, none, none,
         diagonal(settings.accel_bias_sigma**2), none, none,
         diagonal(settings.hard_iron**2), none,
         dd,
     )  # fmt: skip
-    return Motion(begin.q_nb, begin.velocity, bias, zero, zero, delays, p)
+    return Motion(begin.q_nb, begin.velocity, bias, zero, zero, zero, delays, p)
 
 
 def _kept_motion(begin: Begin, before: Motion, gap_s: float, settings: FlightParameters) -> Motion:
@@ -95,13 +96,20 @@ def _kept_motion(begin: Begin, before: Motion, gap_s: float, settings: FlightPar
     p = before.p
     none = diagonal(0.0)
     kept = Covariance(
-        begin.attitude, none, none, none, none, none,
-        diagonal(begin.velocity_sigma**2), none, none, none, none,
-        add_diagonal(p.bb, settings.gyro_bias_walk**2 * gap_s), p.ba, p.bm, p.bd,
+        begin.attitude, none, none, none, none, none, none,
+        diagonal(begin.velocity_sigma**2), none, none, none, none, none,
+        add_diagonal(p.bb, settings.gyro_bias_walk**2 * gap_s), p.bs, p.ba, p.bm, p.bd, p.ss, p.sa, p.sm, p.sd,
         p.aa, p.am, p.ad, p.mm, p.md, p.dd,
     )  # fmt: skip
     return Motion(
-        begin.q_nb, begin.velocity, before.gyro_bias, before.accel_bias, before.hard_iron, before.delays, kept
+        begin.q_nb,
+        begin.velocity,
+        before.gyro_bias,
+        before.gyro_scale,
+        before.accel_bias,
+        before.hard_iron,
+        before.delays,
+        kept,
     )
 
 
@@ -115,6 +123,7 @@ def _with_declination(motion: Motion, change: float, first: bool, settings: Flig
         motion.q_nb,
         motion.velocity,
         motion.gyro_bias,
+        motion.gyro_scale,
         motion.accel_bias,
         motion.hard_iron,
         (mag_delay, fix_delay, north - change),

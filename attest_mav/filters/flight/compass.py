@@ -43,7 +43,7 @@ LAG_ERROR_S: Final = 0.03
 class Compass:
     """What is remembered of the field, and the record of the last reading.
 
-    last: the last reading, gauss, as received. held_s: since it changed, or was used again. lost_s: since a reading
+    last: the last reading used, gauss, as received. held_s: since one was used. lost_s: since a reading
     corrected the heading. strength: gauss, and dip (sine), as they usually are; strength 0 before the first.
     disturbance: remembered deviation from the usual, as a share of the field. power: mean square innovation.
     innovation: of the last reading, as a share of the field (east positive to the left); nis: its normalised square.
@@ -89,18 +89,18 @@ def field_of(sample: ImuSample) -> Vec3 | None:
     return dequantised(mag, MAG_UNIT) if sample.source in INTEGER_MESSAGES else mag
 
 
-def is_new(compass: Compass, sample: ImuSample, dt_s: float) -> bool:
-    """True when the sample's reading has not been used yet."""
+def is_due(compass: Compass, sample: ImuSample, dt_s: float, settings: FlightParameters) -> bool:
+    """True when the sample's reading has not been used yet, and is far enough from the one before."""
+    since_s = compass.held_s + dt_s
     if sample.mag != compass.last:
-        return True
-    return compass.held_s + dt_s > REUSE_S and norm(sample.gyro) < REST_RATE
+        return since_s > settings.mag_spacing_s or compass.strength <= 0.0
+    return since_s > REUSE_S and norm(sample.gyro) < REST_RATE
 
 
-def unread(compass: Compass, sample: ImuSample, dt_s: float) -> Compass:
+def unread(compass: Compass, dt_s: float) -> Compass:
     """The memory after a step without a new reading."""
-    last = compass.last if sample.mag is None else sample.mag
     return Compass(
-        last,
+        compass.last,
         compass.held_s + dt_s,
         compass.lost_s,
         compass.strength,

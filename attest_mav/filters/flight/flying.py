@@ -9,11 +9,11 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import add, norm, scale, sub
+from attest_mav.algebra import add, norm, scale
 from attest_mav.filters.base import Aids
-from attest_mav.filters.flight.compass import Compass, field_of, is_new, steered, unread
+from attest_mav.filters.flight.compass import Compass, field_of, is_due, steered, unread
 from attest_mav.filters.flight.fixes import Fixes, due, fixed, waited
-from attest_mav.filters.flight.motion import Motion, with_variances
+from attest_mav.filters.flight.motion import Motion, rate_of, with_variances
 from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.filters.flight.rest import Rest, rested, watched
 from attest_mav.filters.flight.strapdown import Reading, Strapdown, advanced, turned_memory
@@ -23,6 +23,7 @@ from attest_mav.filters.flight.substitutes import (
     Air,
     held_by_air,
     held_by_gravity,
+    held_in_place,
     learned,
 )
 from attest_mav.types import ImuSample, Vec3
@@ -52,6 +53,8 @@ class Aid(IntEnum):
     """The airspeed of a wing, with the wind as it was."""
     GRAVITY = 4
     """The mean specific force."""
+    PLACE = 5
+    """Motion that stays in place: the mean velocity is zero."""
 
 
 @mypyc_attr(acyclic=True)
@@ -95,7 +98,7 @@ def flown(
     motion, rest = rested(motion, rest, fixes.lost_s < LOST_S, settings)
     aid = _aid(fixes, rest, aids, settings)
     motion, air = _substituted(motion, before.air, aid, strapdown.force, aids, dt_s, settings)
-    rate = sub(scale(add(before.strapdown.gyro, reading.gyro), 0.5), motion.gyro_bias)
+    rate = rate_of(motion, scale(add(before.strapdown.gyro, reading.gyro), 0.5))
     motion, compass = _steered(motion, before, sample, rate, dt_s, settings)
     return Flying(
         motion,
@@ -118,6 +121,8 @@ def _aid(fixes: Fixes, rest: Rest, aids: Aids, settings: FlightParameters) -> Ai
         return Aid.REST
     if aids.forward_speed > FLYING_SPEED and aids.side_speed == 0.0:
         return Aid.AIRSPEED
+    if not fixes.source:
+        return Aid.PLACE
     return Aid.COASTING if fixes.lost_s < settings.coast_s else Aid.GRAVITY
 
 
@@ -135,6 +140,8 @@ def _substituted(
         motion = held_by_air(motion, Air(air.wind, air.learned_s, waited_s), aids.forward_speed, settings)
     elif aid == Aid.GRAVITY:
         motion = held_by_gravity(motion, force, waited_s, settings)
+    elif aid == Aid.PLACE:
+        motion = held_in_place(motion, waited_s, settings)
     return motion, Air(air.wind, air.learned_s, 0.0)
 
 
@@ -143,8 +150,8 @@ def _steered(
 ) -> tuple[Motion, Compass]:
     """Motion and compass after the magnetometer's reading, if it is a new one."""
     field = field_of(sample)
-    if field is None or not is_new(before.compass, sample, dt_s):
-        return motion, unread(before.compass, sample, dt_s)
+    if field is None or not is_due(before.compass, sample, dt_s, settings):
+        return motion, unread(before.compass, dt_s)
     motion, compass = steered(motion, before.compass, sample, field, rate, dt_s, before.declination, settings)
     moving = before.fixes.lost_s < LOST_S and norm(motion.velocity) > STANDING_SPEED
     if compass.lost_s > REJECTED_S and not moving:

@@ -17,6 +17,7 @@ class Motion:
 
     q_nb: body to NED. It is the attitude that the low-passed sensors see, which lags the true one by the low-pass.
     velocity: NED, m/s. gyro_bias: rad/s, accel_bias: m/s^2, hard_iron: gauss; all in the body, all to be subtracted.
+    gyro_scale: share of each rate that is too much.
     delays: (of the magnetometer, s; of the velocity fixes, s; magnetic north from where it is believed to be, rad).
     p: covariance of the errors, see ``covariance``.
     """
@@ -26,6 +27,7 @@ class Motion:
         q_nb: Quat,
         velocity: Vec3,
         gyro_bias: Vec3,
+        gyro_scale: Vec3,
         accel_bias: Vec3,
         hard_iron: Vec3,
         delays: Vec3,
@@ -34,6 +36,7 @@ class Motion:
         self.q_nb: Final = q_nb
         self.velocity: Final = velocity
         self.gyro_bias: Final = gyro_bias
+        self.gyro_scale: Final = gyro_scale
         self.accel_bias: Final = accel_bias
         self.hard_iron: Final = hard_iron
         self.delays: Final = delays
@@ -50,6 +53,13 @@ class Motion:
         return sqrt(max(0.0, self.p.tt[2][2]))
 
 
+def rate_of(motion: Motion, gyro: Vec3) -> Vec3:
+    """The body's rate at this gyro reading, rad/s: without bias and scale error."""
+    x, y, z = gyro
+    b, s = motion.gyro_bias, motion.gyro_scale
+    return (x - b[0] - s[0] * x, y - b[1] - s[1] * y, z - b[2] - s[2] * z)
+
+
 def is_sound(motion: Motion) -> bool:
     """True while the numbers mean something: variances that are not negative, and a quaternion of unit length."""
     p = motion.p
@@ -57,6 +67,7 @@ def is_sound(motion: Motion) -> bool:
         no_negative_variance(p.tt)
         and no_negative_variance(p.vv)
         and no_negative_variance(p.bb)
+        and no_negative_variance(p.ss)
         and no_negative_variance(p.aa)
         and no_negative_variance(p.mm)
         and no_negative_variance(p.dd)
@@ -64,16 +75,17 @@ def is_sound(motion: Motion) -> bool:
     )
 
 
-def moved(motion: Motion, q_nb: Quat, velocity: Vec3, turn: Mat3, push: Vec3, growth: Growth) -> Motion:
-    """The motion after a step that led to this attitude and velocity; ``turn`` and ``push`` as in ``propagated``."""
+def moved(motion: Motion, q_nb: Quat, velocity: Vec3, turn: Mat3, push: Vec3, rate: Vec3, growth: Growth) -> Motion:
+    """The motion after a step that led to this attitude and velocity; the rest as in ``propagated``."""
     return Motion(
         q_nb,
         velocity,
         motion.gyro_bias,
+        motion.gyro_scale,
         motion.accel_bias,
         motion.hard_iron,
         motion.delays,
-        propagated(motion.p, turn, push, growth),
+        propagated(motion.p, turn, push, rate, growth),
     )
 
 
@@ -90,6 +102,7 @@ def updated(motion: Motion, row: Row, seen: Reach, variance: float) -> Motion:
         q_unit(q_mul(q_exp(scale(seen.t, 0.5 * gain)), motion.q_nb)),
         add(motion.velocity, scale(seen.v, gain)),
         add(motion.gyro_bias, scale(seen.b, gain)),
+        add(motion.gyro_scale, scale(seen.s, gain)),
         add(motion.accel_bias, scale(seen.a, gain)),
         add(motion.hard_iron, scale(seen.m, gain)),
         add(motion.delays, scale(seen.d, gain)),
@@ -108,14 +121,15 @@ def with_variances(motion: Motion, bias_floor: float, heading_growth: float) -> 
         motion.q_nb,
         motion.velocity,
         motion.gyro_bias,
+        motion.gyro_scale,
         motion.accel_bias,
         motion.hard_iron,
         motion.delays,
         Covariance(
-            ((a, b, c), (d, e, f), (g, h, i + heading_growth)), p.tv, p.tb, p.ta, p.tm, p.td,
-            p.vv, p.vb, p.va, p.vm, p.vd,
-            floor_diagonal(p.bb, bias_floor), p.ba, p.bm, p.bd,
-            p.aa, p.am, p.ad, p.mm, p.md, p.dd,
+            ((a, b, c), (d, e, f), (g, h, i + heading_growth)), p.tv, p.tb, p.ts, p.ta, p.tm, p.td,
+            p.vv, p.vb, p.vs, p.va, p.vm, p.vd,
+            floor_diagonal(p.bb, bias_floor), p.bs, p.ba, p.bm, p.bd,
+            p.ss, p.sa, p.sm, p.sd, p.aa, p.am, p.ad, p.mm, p.md, p.dd,
         ),
     )  # fmt: skip
 
@@ -129,13 +143,15 @@ def with_fix_delay(motion: Motion, delay_s: float, sigma_s: float) -> Motion:
         motion.q_nb,
         motion.velocity,
         motion.gyro_bias,
+        motion.gyro_scale,
         motion.accel_bias,
         motion.hard_iron,
         (mag, delay_s, north),
         Covariance(
-            p.tt, p.tv, p.tb, p.ta, p.tm, _without_middle(p.td),
-            p.vv, p.vb, p.va, p.vm, _without_middle(p.vd),
-            p.bb, p.ba, p.bm, _without_middle(p.bd),
+            p.tt, p.tv, p.tb, p.ts, p.ta, p.tm, _without_middle(p.td),
+            p.vv, p.vb, p.vs, p.va, p.vm, _without_middle(p.vd),
+            p.bb, p.bs, p.ba, p.bm, _without_middle(p.bd),
+            p.ss, p.sa, p.sm, _without_middle(p.sd),
             p.aa, p.am, _without_middle(p.ad),
             p.mm, _without_middle(p.md),
             ((d1, 0.0, d3), (0.0, sigma_s * sigma_s, 0.0), (d7, 0.0, d9)),

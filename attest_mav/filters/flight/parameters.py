@@ -64,9 +64,11 @@ class FlightParameters:
     hard_iron: float = 0.010
     hard_iron_walk: float = 1e-4
     gyro_bias_sigma: float = radians(0.3)
+    gyro_scale_sigma: float = 0.006
     accel_bias_sigma: float = 0.05
     speed_noise: float = 4.0
     gyro_noise: float = 1e-4
+    gyro_rate_noise: float = 2e-3
     accel_noise: float = 0.02
     gyro_bias_walk: float = 2e-4
     accel_bias_walk: float = 1e-4
@@ -82,6 +84,7 @@ class FlightParameters:
     mag_sigma: float = 0.02
     mag_floor: float = 0.005
     mag_ceiling: float = 0.05
+    mag_spacing_s: float = 0.09
     mag_knee: float = 1.5
     mag_jitter_s: float = 0.04
     mag_gate: float = 4.0
@@ -90,6 +93,7 @@ class FlightParameters:
     disturbance_hold_s: float = 30.0
     rest_floor: float = 6e-4
     gravity_noise: float = 3.0
+    place_noise: float = 0.35
     coast_s: float = 30.0
     restart_nis: float = 12.0
     align_tilt: float = radians(5.0)

@@ -12,7 +12,7 @@ from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import add, is_finite, mat_vec, norm, q_exp, q_mul, q_to_matrix, q_unit, scale, sub
 from attest_mav.filters.flight.covariance import Growth
-from attest_mav.filters.flight.motion import Motion, moved
+from attest_mav.filters.flight.motion import Motion, moved, rate_of
 from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.filters.flight.track import Track, longer
 from attest_mav.matrices import mat_add, mat_scale
@@ -91,7 +91,7 @@ def advanced(
     motion: Motion, memory: Strapdown, reading: Reading, dt_s: float, t_ns: int, settings: FlightParameters
 ) -> tuple[Motion, Strapdown]:
     """Motion and memory ``dt_s`` later, at the reading taken then."""
-    rate = sub(scale(add(memory.gyro, reading.gyro), 0.5), motion.gyro_bias)
+    rate = rate_of(motion, scale(add(memory.gyro, reading.gyro), 0.5))
     before = q_to_matrix(motion.q_nb)
     q_nb = q_unit(q_mul(motion.q_nb, q_exp(scale(rate, 0.5 * dt_s))))
     after = q_to_matrix(q_nb)
@@ -101,7 +101,8 @@ def advanced(
     turn: Mat3 = mat_scale(mat_add(before, after), 0.5 * dt_s)
     unrest_w, unrest_f = _unrest(memory, reading, dt_s, settings)
     growth = Growth(
-        settings.gyro_noise**2 * dt_s + (settings.gyro_aliasing * unrest_w * dt_s) ** 2,
+        (settings.gyro_noise + settings.gyro_rate_noise * norm(rate)) ** 2 * dt_s
+        + (settings.gyro_aliasing * unrest_w * dt_s) ** 2,
         settings.accel_noise**2 * dt_s + (settings.accel_aliasing * unrest_f * dt_s) ** 2,
         settings.gyro_bias_walk**2 * dt_s,
         settings.accel_bias_walk**2 * dt_s if settings.accel_bias_sigma > 0.0 else 0.0,
@@ -109,7 +110,7 @@ def advanced(
     )
     track = longer(memory.track, t_ns, push)
     after_step = Strapdown(reading.gyro, reading.accel, force, unrest_w, unrest_f, track)
-    return moved(motion, q_nb, velocity, turn, push, growth), after_step
+    return moved(motion, q_nb, velocity, turn, push, rate, growth), after_step
 
 
 def _unrest(memory: Strapdown, reading: Reading, dt_s: float, settings: FlightParameters) -> tuple[float, float]:

@@ -12,6 +12,7 @@ from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import add, cross, dot, q_to_matrix, rotate, scale, sub
 from attest_mav.filters.flight.covariance import Row
+from attest_mav.filters.flight.fixes import unit_axis
 from attest_mav.filters.flight.motion import Motion, reach_of, updated
 from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.matrices import transpose
@@ -23,7 +24,7 @@ WIND_S: Final = 20.0
 """Time constant of the wind's mean."""
 FLYING_SPEED: Final = 6.0
 """m/s: below this an airspeed says little about the direction of motion."""
-GATE: Final = 3.0
+GATE: Final = 2.0
 """Sigmas from which the variance of a row is inflated."""
 
 
@@ -73,6 +74,14 @@ def held_by_gravity(motion: Motion, force: Vec3, waited_s: float, settings: Flig
     variance = settings.gravity_noise**2 / waited_s
     first, second = gravity_rows(force)
     return _soft(_soft(motion, first, variance), second, variance)
+
+
+def held_in_place(motion: Motion, waited_s: float, settings: FlightParameters) -> Motion:
+    """The motion after three rows of zero velocity."""
+    variance = settings.place_noise**2 / waited_s
+    for axis in range(3):
+        motion = _soft(motion, Row(-motion.velocity[axis], v=unit_axis(axis)), variance)
+    return motion
 
 
 def gravity_rows(force: Vec3) -> tuple[Row, Row]:
