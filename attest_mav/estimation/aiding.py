@@ -116,6 +116,7 @@ class Aiding:
             air is not None and isfinite(air.airspeed) and air is not self._air_given,
             side_speed=side,
             down_speed=down,
+            in_place=not self._stillness.armed,
         )
 
     def given(self) -> None:

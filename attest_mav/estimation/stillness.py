@@ -33,6 +33,11 @@ class Stillness:
             self._speed = norm(sample.v_ned)
 
     @property
+    def armed(self) -> bool:
+        """True while the vehicle says that it is armed: it may be under way, whatever else is known."""
+        return self._armed is True
+
+    @property
     def stands(self) -> bool | None:
         """What the vehicle itself says: True when it stands, False when it moves or may, None when it says nothing."""
         if isfinite(self._speed):

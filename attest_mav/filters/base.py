@@ -44,7 +44,8 @@ class Aids:
     another source than the magnetometer, rad from the filter's north; finite only on the samples that carry one.
     side_speed, down_speed: along the body's y and z at the instant of forward_speed, m/s; 0 for a vehicle that goes
     where it points, NaN for one that does not and whose sideways motion is not known. inclination: of the Earth's field
-    below the horizontal, rad.
+    below the horizontal, rad. in_place: nothing says that the vehicle is under way: what moves is carried or turned by
+    hand, and stays where it is on average.
     """
 
     def __init__(
@@ -62,6 +63,7 @@ class Aids:
         side_speed: float = 0.0,
         down_speed: float = 0.0,
         inclination: float = nan,
+        in_place: bool = True,
     ) -> None:
         self.forward_speed: Final = forward_speed
         self.forward_speed_fresh: Final = forward_speed_fresh
@@ -76,6 +78,7 @@ class Aids:
         self.side_speed: Final = side_speed
         self.down_speed: Final = down_speed
         self.inclination: Final = inclination
+        self.in_place: Final = in_place
 
 
 @mypyc_attr(acyclic=True)  # floats and flags form no cycles; compiled, a state is made faster without the collector

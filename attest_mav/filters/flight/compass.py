@@ -43,7 +43,7 @@ LAG_ERROR_S: Final = 0.03
 class Compass:
     """What is remembered of the field, and the record of the last reading.
 
-    last: the last reading used, gauss, as received. held_s: since one was used. lost_s: since a reading
+    last: the last reading, gauss, as received. held_s: since one was used. lost_s: since a reading
     corrected the heading. strength: gauss, and dip (sine), as they usually are; strength 0 before the first.
     disturbance: remembered deviation from the usual, as a share of the field. power: mean square innovation.
     innovation: of the last reading, as a share of the field (east positive to the left); nis: its normalised square.
@@ -90,17 +90,20 @@ def field_of(sample: ImuSample) -> Vec3 | None:
 
 
 def is_due(compass: Compass, sample: ImuSample, dt_s: float, settings: FlightParameters) -> bool:
-    """True when the sample's reading has not been used yet, and is far enough from the one before."""
+    """True when the sample's reading is a new one, and far enough from the last one used.
+
+    One that comes too soon is not used later: it would be older than its lag says.
+    """
     since_s = compass.held_s + dt_s
     if sample.mag != compass.last:
         return since_s > settings.mag_spacing_s or compass.strength <= 0.0
     return since_s > REUSE_S and norm(sample.gyro) < REST_RATE
 
 
-def unread(compass: Compass, dt_s: float) -> Compass:
-    """The memory after a step without a new reading."""
+def unread(compass: Compass, sample: ImuSample, dt_s: float) -> Compass:
+    """The memory after a step whose reading is not used."""
     return Compass(
-        compass.last,
+        compass.last if sample.mag is None else sample.mag,
         compass.held_s + dt_s,
         compass.lost_s,
         compass.strength,

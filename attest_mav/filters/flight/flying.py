@@ -121,9 +121,9 @@ def _aid(fixes: Fixes, rest: Rest, aids: Aids, settings: FlightParameters) -> Ai
         return Aid.REST
     if aids.forward_speed > FLYING_SPEED and aids.side_speed == 0.0:
         return Aid.AIRSPEED
-    if not fixes.source:
+    if not fixes.source and aids.in_place:
         return Aid.PLACE
-    return Aid.COASTING if fixes.lost_s < settings.coast_s else Aid.GRAVITY
+    return Aid.COASTING if fixes.source and fixes.lost_s < settings.coast_s else Aid.GRAVITY
 
 
 def _substituted(
@@ -151,7 +151,7 @@ def _steered(
     """Motion and compass after the magnetometer's reading, if it is a new one."""
     field = field_of(sample)
     if field is None or not is_due(before.compass, sample, dt_s, settings):
-        return motion, unread(before.compass, dt_s)
+        return motion, unread(before.compass, sample, dt_s)
     motion, compass = steered(motion, before.compass, sample, field, rate, dt_s, before.declination, settings)
     moving = before.fixes.lost_s < LOST_S and norm(motion.velocity) > STANDING_SPEED
     if compass.lost_s > REJECTED_S and not moving:

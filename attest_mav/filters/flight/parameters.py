@@ -84,13 +84,13 @@ class FlightParameters:
     mag_sigma: float = 0.02
     mag_floor: float = 0.005
     mag_ceiling: float = 0.05
-    mag_spacing_s: float = 0.09
+    mag_spacing_s: float = 0.05
     mag_knee: float = 1.5
     mag_jitter_s: float = 0.04
     mag_gate: float = 4.0
     disturbance_free: float = 0.02
     disturbance_weight: float = 3.0
-    disturbance_hold_s: float = 30.0
+    disturbance_hold_s: float = 10.0
     rest_floor: float = 6e-4
     gravity_noise: float = 3.0
     place_noise: float = 0.35

@@ -157,7 +157,7 @@ def telemetered(motion, how):
         flight.samples.append(_sample(how, round(t * 1e9), gyro, accel, field_held))
         ahead = float(np.dot(motion.velocity[k], rotate(tuple(motion.q[k]), (1.0, 0.0, 0.0))))
         air = {"forward_speed": ahead, "side_speed": 0.0} if how.airspeed else {"side_speed": np.nan}
-        flight.aids.append(Aids(velocity=fix, declination=DECLINATION, inclination=DIP, **air))
+        flight.aids.append(Aids(velocity=fix, declination=DECLINATION, inclination=DIP, in_place=False, **air))
         flight.truth.append(tuple(float(x) for x in motion.q[k]))
     return flight
 

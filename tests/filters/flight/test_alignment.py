@@ -110,4 +110,4 @@ def _step(flight, k, state):
         return VelocityAided().initial(
             Start((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), North.RELATIVE, sample.accel, sample.mag, at_rest=False)
         )
-    return VelocityAided().step(state, 0.02, sample, Aids(declination=flight.aids[k].declination))
+    return VelocityAided().step(state, 0.02, sample, Aids(declination=flight.aids[k].declination, in_place=False))

@@ -24,10 +24,11 @@ STEP = 1e-6
 def motion(t=(0, 0, 0), v=(0, 0, 0), m=(0, 0, 0), d=(0, 0, 0)):
     """The estimate moved by an error, so that it is the truth of that error."""
     turned = q_mul(q_exp(scale(tuple(map(float, t)), 0.5)), Q)
-    p = Covariance(*([NONE] * 21))
+    p = Covariance(*([NONE] * 28))
     return Motion(
         turned,
         add((12.0, -5.0, 1.0), tuple(map(float, v))),
+        (0.0, 0.0, 0.0),
         (0.0, 0.0, 0.0),
         (0.0, 0.0, 0.0),
         add((0.01, -0.02, 0.03), tuple(map(float, m))),

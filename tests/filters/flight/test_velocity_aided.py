@@ -43,6 +43,7 @@ def with_aids(aids, **others):
         inclination=others.get("inclination", aids.inclination),
         forward_speed=aids.forward_speed,
         side_speed=aids.side_speed,
+        in_place=aids.in_place,
     )
 
 
