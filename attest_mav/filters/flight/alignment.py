@@ -101,15 +101,15 @@ class Alignment:
 class Begin:
     """Where the filter begins: attitude and velocity (NED, m/s) now, and how well they are known.
 
-    attitude: covariance of the attitude's error, rad^2. velocity_sigma: m/s. heading_known: from a field.
+    attitude: covariance of the attitude's error, rad^2. velocity_sigma: m/s. by_velocity: from fixes.
     """
 
-    def __init__(self, q_nb: Quat, attitude: Mat3, velocity: Vec3, velocity_sigma: float, heading_known: bool) -> None:
+    def __init__(self, q_nb: Quat, attitude: Mat3, velocity: Vec3, velocity_sigma: float, by_velocity: bool) -> None:
         self.q_nb: Final = q_nb
         self.attitude: Final = attitude
         self.velocity: Final = velocity
         self.velocity_sigma: Final = velocity_sigma
-        self.heading_known: Final = heading_known
+        self.by_velocity: Final = by_velocity
 
 
 def started(reading: Reading, t_ns: int) -> Alignment:
@@ -203,7 +203,7 @@ def _by_gravity(so_far: Alignment, gain: Vec3, declination: float, tilt: float, 
     attitude = ((tilt * tilt, 0.0, 0.0), (0.0, tilt * tilt, 0.0), (0.0, 0.0, variance))
     velocity = so_far.fixes[-1].v_ned if so_far.fixes else (0.0, 0.0, 0.0)
     sigma = REST_SPEED if tilt == REST_TILT else GUESSED_SPEED
-    return Begin(q_mul(q_nb, so_far.turned), attitude, velocity, sigma, known)
+    return Begin(q_mul(q_nb, so_far.turned), attitude, velocity, sigma, by_velocity=False)
 
 
 def _by_velocity(so_far: Alignment, fit: Fit, settings: FlightParameters) -> Begin:
@@ -212,7 +212,7 @@ def _by_velocity(so_far: Alignment, fit: Fit, settings: FlightParameters) -> Beg
     head = so_far.track.head
     x, y, z = add(last.v_ned, rotate(fit.q_nb, sub(head.gain, last.gain)))
     velocity = (x, y, z + settings.gravity * (head.t_ns - last.t_ns) * 1e-9)
-    return Begin(q_mul(fit.q_nb, so_far.turned), fit.covariance, velocity, settings.velocity_sigma, so_far.fields > 0)
+    return Begin(q_mul(fit.q_nb, so_far.turned), fit.covariance, velocity, settings.velocity_sigma, by_velocity=True)
 
 
 def _good(fit: Fit, settings: FlightParameters) -> bool:

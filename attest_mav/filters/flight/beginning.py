@@ -39,12 +39,13 @@ def beginning(
     if before is None:
         declined = isfinite(declination)
         motion = _first_motion(begin, bias, declined, settings)
-        fixes, compass, air = no_fixes(settings), no_field(settings), still_air()
+        known_fixes, compass, air = no_fixes(settings), no_field(settings), still_air()
         north = declination if declined else 0.0
     else:
         declined, north = before.declined, before.declination
         motion = _kept_motion(begin, before.motion, gap_s, settings)
-        fixes, compass, air = resumed(before.fixes), before.compass, before.air
+        known_fixes, compass, air = before.fixes, before.compass, before.air
+    fixes = resumed(known_fixes, begin.by_velocity)
     force = specific_force(motion, reading.accel)
     strapdown = Strapdown(reading.gyro, reading.accel, force, 0.0, 0.0, begun(t_ns))
     rest = Rest(reading.gyro, reading.accel, 0.0, 0.0)

@@ -26,6 +26,7 @@ POWER_STEP: Final = 4.0
 """One innovation counts for at most this many times the mean square."""
 NOISE_FACTOR: Final = 2.0
 """The noise of a fix as a multiple of the innovations' rms."""
+LONG_AGO_S: Final = 1e9
 NIS_SHARE: Final = 0.1
 """Share of a new fix in the mean normalised innovation squared: at 5 Hz a memory of 2 s."""
 
@@ -59,12 +60,13 @@ def unit_axis(axis: int) -> Vec3:
 def no_fixes(settings: FlightParameters) -> Fixes:
     """Before the first one."""
     power = (settings.velocity_sigma / NOISE_FACTOR) ** 2
-    return Fixes("", -1, 1e9, power, 0.0, (0.0, 0.0, 0.0), 0.0)
+    return Fixes("", -1, LONG_AGO_S, power, 0.0, (0.0, 0.0, 0.0), 0.0)
 
 
-def resumed(fixes: Fixes) -> Fixes:
-    """The memory at the start after a gap or a failure."""
-    return Fixes(fixes.source, fixes.t_ns, 1e9, fixes.power, 0.0, (0.0, 0.0, 0.0), 0.0)
+def resumed(fixes: Fixes, aligned_by_them: bool) -> Fixes:
+    """The memory at a start. The fixes that an alignment was made of are recent, those from before a gap are not."""
+    lost_s = 0.0 if aligned_by_them else LONG_AGO_S
+    return Fixes(fixes.source, fixes.t_ns, lost_s, fixes.power, 0.0, (0.0, 0.0, 0.0), 0.0)
 
 
 def waited(fixes: Fixes, dt_s: float) -> Fixes:

@@ -44,13 +44,13 @@ def still_air() -> Air:
 
 
 def learned(air: Air, motion: Motion, airspeed: float, dt_s: float) -> Air:
-    """The wind after a step during which the velocity was known."""
+    """The wind after a step during which the velocity was known. What is not needed has not been waited for."""
     if not airspeed > FLYING_SPEED:
-        return Air(air.wind, air.learned_s, air.waited_s + dt_s)
+        return Air(air.wind, air.learned_s, 0.0)
     seen = sub(motion.velocity, rotate(motion.q_nb, (airspeed, 0.0, 0.0)))
     learned_s = air.learned_s + dt_s
     share = dt_s / min(learned_s, WIND_S)
-    return Air(add(air.wind, scale(sub(seen, air.wind), share)), learned_s, air.waited_s + dt_s)
+    return Air(add(air.wind, scale(sub(seen, air.wind), share)), learned_s, 0.0)
 
 
 def held_by_air(motion: Motion, air: Air, airspeed: float, settings: FlightParameters) -> Motion:
