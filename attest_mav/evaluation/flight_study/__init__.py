@@ -1,1 +1,1 @@
-"""Studies of the flight filter on recorded flights with truth: starts, outages, worse sensors. ``parts`` is the way in."""
+"""Studies of the flight filter on recorded flights with truth, as they are and edited. ``parts`` is the way in."""

@@ -1,12 +1,12 @@
-"""Flights with something amiss: velocity withheld, worse sensors, fewer samples, iron beside the magnetometer."""
+"""Flights with something amiss: worse sensors, fewer samples, iron beside the magnetometer."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Final
 
 import numpy as np
 
-from attest_mav.evaluation.flight_study.edits import between, decimated, with_iron, without_velocity
+from attest_mav.evaluation.flight_study.edits import decimated, with_iron
 from attest_mav.evaluation.flight_study.figures import (
     Figures,
     Line,
@@ -18,74 +18,17 @@ from attest_mav.evaluation.flight_study.figures import (
     rms,
     share_within,
 )
-from attest_mav.evaluation.flight_study.flights import FAST_HZ, flying_interval, rate_hz
+from attest_mav.evaluation.flight_study.flights import LEARNT_S, flying_interval, is_fast, rate_hz
 from attest_mav.evaluation.flight_study.flying import Chosen, Errors, Trial, flown, recorded
 from attest_mav.evaluation.flight_study.sensor_errors import SETS, with_sensor_errors
-from attest_mav.evaluation.harness import TrialMap
-from attest_mav.types import Sample
+from attest_mav.evaluation.harness import Bound, TrialMap
 
-OUTAGES_S: Final = (10.0, 30.0, 60.0)
-OUTAGE_SPACING_S: Final = 15.0
-LEARNT_S: Final = 60.0
-"""The first outage begins no sooner: the biases are learnt by then."""
-OUTAGE_LIMITS: Final = {30.0: at_most(1.2)}
-"""Of the tilt error at the end of the worst outage of that length."""
 SENSOR_LIMITS: Final = {"typical": {"tilt rms": at_most(0.45), "heading rms": at_most(1.5)}}
 RATES_HZ: Final = (25.0, 10.0, 5.0, 4.0, 2.0)
 IRON_MILLIGAUSS: Final = (30, 60, 100, 200)
 IRON_S: Final = 60.0
 AFTERMATH_S: Final = 30.0
 """What an offset has done is followed for so long after it is gone."""
-
-
-def measure_outages(
-    log: bytes, one: Chosen, trial_map: TrialMap, *, airspeed: bool = True, lengths_s: Sequence[float] = OUTAGES_S
-) -> list[Line]:
-    """A line for each length: outages that begin every 15 s of flight."""
-    recording = recorded(log)
-    first_s, last_s = flying_interval(recording)
-    first_s = max(first_s, LEARNT_S)
-    cases = [
-        (length_s, float(start_s))
-        for length_s in lengths_s
-        for start_s in np.arange(first_s, last_s - length_s, OUTAGE_SPACING_S)
-    ]
-    trials = [
-        Trial(log, one, partial(outage, from_s=start_s, to_s=start_s + length_s, airspeed=airspeed), skip_s=0.0)
-        for length_s, start_s in cases
-    ]
-    results = list(zip(cases, trial_map(flown, trials), strict=True))
-    return [
-        _outage_line(
-            length_s,
-            [result.ours.between(start_s, start_s + length_s) for (length, start_s), result in results if length == length_s],
-        )
-        for length_s in lengths_s
-    ]
-
-
-def outage(samples: Sequence[Sample], imu: str, *, from_s: float, to_s: float, airspeed: bool) -> list[Sample]:
-    """The flight until the outage ends."""
-    flight = between(samples, imu, from_s=0.0, to_s=to_s + 0.5)
-    return without_velocity(flight, imu, from_s=from_s, to_s=to_s, airspeed=airspeed)
-
-
-def _outage_line(length_s: float, outages: Sequence[Errors]) -> Line:
-    """Of outages of one length, by the errors during each."""
-    ends = np.array([errors.tilt[-1] for errors in outages if len(errors.tilt)])
-    worst = np.array([largest(errors.tilt) for errors in outages])
-    headings = np.array([largest(errors.heading) for errors in outages])
-    honest = np.array([share_within(errors.tilt, errors.tilt_sigma, 3.0) for errors in outages])
-    figures = {
-        "starts": float(len(outages)),
-        "tilt at end, mean": float(np.mean(ends)) if len(ends) else np.nan,
-        "at end, worst": largest(ends),
-        "during, worst": largest(worst),
-        "heading, worst": largest(headings),
-        "tilt in 3s %": float(np.nanmean(honest)) if len(honest) else np.nan,
-    }
-    limits = {"at end, worst": OUTAGE_LIMITS[length_s]} if length_s in OUTAGE_LIMITS else {}
-    return Line(f"no velocity for {length_s:g} s", figures, limits)
 
 
 def measure_sensors(
@@ -95,14 +38,16 @@ def measure_sensors(
     cases = [(name, seed) for name in names for seed in range(1, seeds + 1)]
     trials = [Trial(log, one, partial(with_sensor_errors, errors=SETS[name], seed=seed)) for name, seed in cases]
     results = list(zip(cases, trial_map(flown, trials), strict=True))
-    is_fast = rate_hz(recorded(log)) >= FAST_HZ
+    limits = SENSOR_LIMITS if is_fast(recorded(log)) else {}
     return [
-        _sensor_line(name, [result.ours.that_count() for (of, _), result in results if of == name], is_fast)
+        _sensor_line(
+            name, [result.ours.that_count() for (of, _), result in results if of == name], limits.get(name, {})
+        )
         for name in names
     ]
 
 
-def _sensor_line(name: str, flights: Sequence[Errors], is_fast: bool) -> Line:
+def _sensor_line(name: str, flights: Sequence[Errors], limits: Mapping[str, Bound]) -> Line:
     """Of one set of sensors, by the errors of each seed."""
     tilt = np.concatenate([errors.tilt for errors in flights])
     heading = np.concatenate([errors.heading for errors in flights])
@@ -118,7 +63,7 @@ def _sensor_line(name: str, flights: Sequence[Errors], is_fast: bool) -> Line:
         "tilt in 3s %": share_within(tilt, tilt_sigma, 3.0),
         "heading in 3s %": share_within(heading, heading_sigma, 3.0),
     }
-    return Line(f"{name} sensors, {len(flights)} seeds", figures, SENSOR_LIMITS.get(name, {}) if is_fast else {})
+    return Line(f"{name} sensors, {len(flights)} seeds", figures, limits)
 
 
 def measure_rates(log: bytes, one: Chosen, trial_map: TrialMap) -> list[Line]:
@@ -144,11 +89,16 @@ def measure_iron(log: bytes, one: Chosen, trial_map: TrialMap) -> list[Line]:
     ]
     results = list(zip(cases, trial_map(flown, trials), strict=True))
     return [
-        Line(f"{strength} mG on x for {IRON_S:g} s", _iron_figures([
-            result.ours.between(start_s, start_s + IRON_S + AFTERMATH_S)
-            for (of, start_s), result in results
-            if of == strength
-        ]))
+        Line(
+            f"{strength} mG on x for {IRON_S:g} s",
+            _iron_figures(
+                [
+                    result.ours.between(start_s, start_s + IRON_S + AFTERMATH_S)
+                    for (of, start_s), result in results
+                    if of == strength
+                ]
+            ),
+        )
         for strength in IRON_MILLIGAUSS
     ]
 

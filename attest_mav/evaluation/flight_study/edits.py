@@ -5,7 +5,8 @@ without a time of their own belong to the last inertial sample before them.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from math import trunc
+from functools import partial
+from math import floor, inf, trunc
 from typing import Final
 
 from attest_mav.evaluation.replay.log_time import LogTime
@@ -29,11 +30,6 @@ def clocked(samples: Sequence[Sample], imu: str) -> Iterator[tuple[float, Sample
         yield now_s, sample
 
 
-def unchanged(samples: Sequence[Sample], imu: str) -> list[Sample]:
-    """The recording as it is."""
-    return list(samples)
-
-
 def between(samples: Sequence[Sample], imu: str, *, from_s: float, to_s: float) -> list[Sample]:
     """What a receiver hears that is switched on at the first time and off at the second: nothing from before."""
     kept: list[Sample] = []
@@ -46,29 +42,32 @@ def between(samples: Sequence[Sample], imu: str, *, from_s: float, to_s: float) 
     return kept
 
 
+WHOLE: Final = partial(between, from_s=0.0, to_s=inf)
+"""The recording as it is."""
+
+
 def without_velocity(
     samples: Sequence[Sample], imu: str, *, from_s: float, to_s: float, airspeed: bool = True
 ) -> list[Sample]:
     """The GPS receiver is silent between the times; without ``airspeed``, VFR_HUD is too."""
     lost = (VelocitySample, PositionSample) if airspeed else (VelocitySample, PositionSample, AirDataSample)
     return [
-        sample
-        for now_s, sample in clocked(samples, imu)
-        if not (isinstance(sample, lost) and from_s <= now_s < to_s)
+        sample for now_s, sample in clocked(samples, imu) if not (isinstance(sample, lost) and from_s <= now_s < to_s)
     ]
 
 
 def decimated(samples: Sequence[Sample], imu: str, *, rate_hz: float) -> list[Sample]:
-    """The inertial message at a lower rate: of each period the first sample, with its own time and readings."""
+    """The inertial message at a lower rate: the sample nearest to each due time, with its own time and readings."""
     kept: list[Sample] = []
-    last_period = -1
+    due_s = last_s = 0.0
     for now_s, sample in clocked(samples, imu):
         if isinstance(sample, ImuSample) and sample.source == imu:
-            # A millionth: a sample due at the end of a period belongs to the next one, however its time is rounded.
-            period = int(now_s * rate_hz + 1e-6)
-            if period == last_period:
+            # Half a step: the next sample would be further from the due time.
+            is_due = now_s + 0.5 * (now_s - last_s) >= due_s
+            last_s = now_s
+            if not is_due:
                 continue
-            last_period = period
+            due_s += (floor(max(0.0, now_s - due_s) * rate_hz) + 1.0) / rate_hz
         kept.append(sample)
     return kept
 

@@ -19,7 +19,9 @@ VTOL: Final = (19, 20, 21, 22, 23, 24, 25)
 MOVING: Final = 2.0
 """m/s over ground: what goes this fast has left the ground."""
 FAST_HZ: Final = 20.0
-"""From this rate on the motion between samples is small, and limits for fast logs hold."""
+"""From this rate on the motion between samples is small: what is required of fast logs can be met."""
+LEARNT_S: Final = 60.0
+"""No disturbance begins sooner: the filter has learnt its biases by then."""
 
 
 def turn_tilt_deg(recording: Recording) -> float:
@@ -55,20 +57,24 @@ def flying_interval(recording: Recording) -> tuple[float, float]:
 
 def last_time(recording: Recording) -> float:
     """Time of the last inertial sample, s."""
-    now_s = 0.0
-    for now_s, _ in clocked(recording.samples, recording.plan.imu):
-        pass
-    return now_s
+    return max((now_s for now_s, _ in clocked(recording.samples, recording.plan.imu)), default=0.0)
 
 
 def rate_hz(recording: Recording) -> float:
     """Usual rate of the inertial message, Hz; 0 when there are fewer than two samples."""
-    stamps = np.array([
-        sample.t_ns
-        for sample in recording.samples
-        if isinstance(sample, ImuSample) and sample.source == recording.plan.imu
-    ])
+    stamps = np.array(
+        [
+            sample.t_ns
+            for sample in recording.samples
+            if isinstance(sample, ImuSample) and sample.source == recording.plan.imu
+        ]
+    )
     return float(1e9 / np.median(np.diff(stamps))) if len(stamps) > 1 else 0.0
+
+
+def is_fast(recording: Recording) -> bool:
+    """Whether the limits for usual rates hold."""
+    return rate_hz(recording) >= FAST_HZ
 
 
 def tilt_of(q_nb: Quat) -> float:

@@ -8,13 +8,13 @@ import numpy as np
 
 from attest_mav.evaluation.flight_study.disturbances import (
     measure_iron,
-    measure_outages,
     measure_rates,
     measure_sensors,
 )
-from attest_mav.evaluation.flight_study.edits import unchanged
+from attest_mav.evaluation.flight_study.edits import WHOLE
 from attest_mav.evaluation.flight_study.figures import Figures, Line, accuracy, at_least, at_most, honesty, rms
 from attest_mav.evaluation.flight_study.flying import Chosen, Errors, Trial, flown
+from attest_mav.evaluation.flight_study.outages import measure_outages
 from attest_mav.evaluation.flight_study.starts import measure_starts
 from attest_mav.evaluation.harness import Bound, TrialMap
 from attest_mav.filters.registry import filter_names
@@ -49,7 +49,7 @@ def main_table(study: Study, trial_map: TrialMap) -> list[Line]:
     """All our filters beside the autopilot, over the recording as it is."""
     names = [study.one.name, *(name for name in filter_names() if name != study.one.name)]
     choices = [study.one, *(Chosen(name) for name in names[1:])]
-    results = list(trial_map(flown, [Trial(study.log, one, unchanged) for one in choices]))
+    results = list(trial_map(flown, [Trial(study.log, one, WHOLE) for one in choices]))
     limits = {**HONEST, **MAIN_LIMITS.get(study.name, {})}
     lines = [Line("autopilot", accuracy(results[0].autopilot.that_count()))]
     for one, result in zip(choices, results, strict=True):

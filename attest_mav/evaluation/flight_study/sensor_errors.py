@@ -26,7 +26,7 @@ from typing import Final
 import numpy as np
 
 from attest_mav.algebra import add
-from attest_mav.evaluation.flight_study.edits import restored, truncated, with_readings
+from attest_mav.evaluation.flight_study.edits import clocked, restored, truncated, with_readings
 from attest_mav.mavlink.units import MILLI, MILLI_G
 from attest_mav.types import ImuSample, PositionSample, Sample, Vec3, VelocitySample
 
@@ -64,20 +64,20 @@ def with_sensor_errors(samples: Sequence[Sample], imu: str, *, errors: SensorErr
     """The samples as worse sensors would have sent them; equal seeds give equal errors."""
     inertial = _Inertial(errors, np.random.default_rng([seed, 0]))
     receiver = _Receiver(errors, np.random.default_rng([seed, 1]))
-    late: deque[Sample] = deque()
+    late: deque[tuple[float, Sample]] = deque()
     out: list[Sample] = []
-    for sample in samples:
-        while late and late[0].rx_ns <= sample.rx_ns:
-            out.append(late.popleft())
+    for now_s, sample in clocked(samples, imu):
+        while late and late[0][0] <= now_s:
+            out.append(late.popleft()[1])
         if isinstance(sample, ImuSample) and sample.source == imu:
             out.append(inertial.spoilt(sample))
         elif isinstance(sample, VelocitySample):
-            late.append(receiver.spoilt(sample))
+            late.append((now_s + errors.latency_s, receiver.spoilt(sample)))
         elif isinstance(sample, PositionSample):
-            late.append(receiver.delayed(sample))
+            late.append((now_s + errors.latency_s, receiver.delayed(sample)))
         else:
             out.append(sample)
-    return [*out, *late]
+    return [*out, *(sample for _, sample in late)]
 
 
 class _Inertial:
