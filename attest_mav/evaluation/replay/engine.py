@@ -24,6 +24,7 @@ from attest_mav.logs.tlog import TlogReader, read_windows
 from attest_mav.mavlink.decoding import Decoder, of_message
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.encoding import Encoder
+from attest_mav.types import Sample
 
 OUR_COMPONENT: Final = 193
 """The component id of woven messages, the daemon's default."""
@@ -94,6 +95,31 @@ def replay(buffer: mmap | bytes, dialect: Dialect, request: Request, outputs: Ou
     if not flight.imu.samples:
         raise UnreadableDataError(f"no usable {plan.imu}: {_lack(survey, plan, decoder)}")
     return Replay(survey, plan, declination, flight, _notes(survey, plan, decoder, flight))
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What ``replay`` takes from a log, decoded once: for many flights over it, or over what was made of it.
+
+    samples: of the plan's vehicle, in order. To be given to a ``Flight`` of the same plan and declination.
+    """
+
+    plan: Plan
+    declination: Declination | None
+    samples: list[Sample]
+
+
+def record(buffer: mmap | bytes, dialect: Dialect, imu: str | None = None, reference: str | None = None) -> Recording:
+    """Decode a tlog; imu, reference and UnreadableDataError as with ``replay``."""
+    survey = _survey(buffer, dialect, None)
+    plan = make_plan(survey, imu, reference)
+    decoder = _taught_decoder(dialect, survey, plan)
+    samples: list[Sample] = []
+    for frames in TlogReader(buffer, dialect, _wanted(dialect, plan)).batches():
+        for frame in frames:
+            if frame.system == plan.sender[0] and frame.component == plan.sender[1]:
+                samples.extend(decoder.decode(frame))
+    return Recording(plan, _declination(survey, plan, None), samples)
 
 
 def _survey(buffer: mmap | bytes, dialect: Dialect, progress: Callable[[float], None] | None) -> Survey:
