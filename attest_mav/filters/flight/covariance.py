@@ -247,5 +247,18 @@ def corrected(p: Covariance, g: Reach, k: float) -> Covariance:
     )
 
 
+def considered(before: Covariance, p: Covariance) -> Covariance:
+    """p with what gyro scale and accelerometer bias have among themselves as it was before."""
+    return Covariance(
+        p.tt, p.tv, p.tb, p.ts, p.ta, p.tm, p.td,
+        p.vv, p.vb, p.vs, p.va, p.vm, p.vd,
+        p.bb, p.bs, p.ba, p.bm, p.bd,
+        before.ss, before.sa, p.sm, p.sd,
+        before.aa, p.am, p.ad,
+        p.mm, p.md,
+        p.dd,
+    )  # fmt: skip
+
+
 def _sum5(a: Vec3, b: Vec3, c: Vec3, d: Vec3, e: Vec3) -> Vec3:
     return add(add(add(a, b), add(c, d)), e)

@@ -4,7 +4,7 @@
 """
 
 from enum import IntEnum
-from math import isfinite
+from math import inf, isfinite
 from typing import Final
 
 from mypy_extensions import mypyc_attr
@@ -26,7 +26,7 @@ from attest_mav.filters.flight.substitutes import (
     held_in_place,
     learned,
 )
-from attest_mav.types import ImuSample, Vec3
+from attest_mav.types import ImuSample, Vec3, VelocitySample
 
 LOST_S: Final = 2.0
 """Without a fix for this long the velocity counts as lost."""
@@ -93,8 +93,7 @@ def flown(
     fix = aids.velocity
     if fix is not None and due(fixes, fix, settings):
         motion, fixes = fixed(motion, strapdown.track, fixes, fix, settings)
-    speed = norm(fix.v_ned) if fix is not None else 0.0
-    rest = watched(before.rest, reading, speed, dt_s)
+    rest = watched(before.rest, reading, _speed(fix, aids), dt_s)
     motion, rest = rested(motion, rest, fixes.lost_s < LOST_S, settings)
     aid = _aid(fixes, rest, aids, settings)
     motion, air = _substituted(motion, before.air, aid, strapdown.force, aids, dt_s, settings)
@@ -111,6 +110,13 @@ def flown(
         before.declined,
         aid,
     )
+
+
+def _speed(fix: VelocitySample | None, aids: Aids) -> float:
+    """What speaks against rest, m/s. Under way and without a fix nothing is known: cruise is as quiet as a desk."""
+    if fix is not None:
+        return norm(fix.v_ned)
+    return 0.0 if aids.in_place else inf
 
 
 def _aid(fixes: Fixes, rest: Rest, aids: Aids, settings: FlightParameters) -> Aid:

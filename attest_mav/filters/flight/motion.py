@@ -6,7 +6,16 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import add, q_exp, q_mul, q_norm, q_unit, scale
-from attest_mav.filters.flight.covariance import Covariance, Growth, Reach, Row, corrected, propagated, reach
+from attest_mav.filters.flight.covariance import (
+    Covariance,
+    Growth,
+    Reach,
+    Row,
+    considered,
+    corrected,
+    propagated,
+    reach,
+)
 from attest_mav.matrices import floor_diagonal, no_negative_variance
 from attest_mav.types import Mat3, Quat, Vec3
 
@@ -97,7 +106,22 @@ def reach_of(motion: Motion, row: Row) -> Reach:
 def updated(motion: Motion, row: Row, seen: Reach, variance: float) -> Motion:
     """The motion after one scalar measurement with this noise variance; ``seen`` is ``reach_of`` it."""
     k = 1.0 / (seen.variance + variance)
-    gain = k * row.residual
+    return _turned_to(motion, seen, k * row.residual, corrected(motion.p, seen, k))
+
+
+def supposed(motion: Motion, row: Row, seen: Reach, variance: float) -> Motion:
+    """The motion after a row that is only supposed to be true: it teaches nothing of the sensors' scale and bias.
+
+    What such a row is wrong by lasts, and would be taken for theirs. They stay as they are and as doubtful, and the
+    rest allows for that (Schmidt's filter).
+    """
+    k = 1.0 / (seen.variance + variance)
+    zero: Vec3 = (0.0, 0.0, 0.0)
+    taught = Reach(seen.t, seen.v, seen.b, zero, zero, seen.m, seen.d, seen.variance)
+    return _turned_to(motion, taught, k * row.residual, considered(motion.p, corrected(motion.p, seen, k)))
+
+
+def _turned_to(motion: Motion, seen: Reach, gain: float, p: Covariance) -> Motion:
     return Motion(
         q_unit(q_mul(q_exp(scale(seen.t, 0.5 * gain)), motion.q_nb)),
         add(motion.velocity, scale(seen.v, gain)),
@@ -106,7 +130,7 @@ def updated(motion: Motion, row: Row, seen: Reach, variance: float) -> Motion:
         add(motion.accel_bias, scale(seen.a, gain)),
         add(motion.hard_iron, scale(seen.m, gain)),
         add(motion.delays, scale(seen.d, gain)),
-        corrected(motion.p, seen, k),
+        p,
     )
 
 

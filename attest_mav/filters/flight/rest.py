@@ -53,7 +53,7 @@ class Rest:
 
 
 def watched(rest: Rest, reading: Reading, speed: float, dt_s: float) -> Rest:
-    """The watch after a sample. ``speed``: of the newest fix, m/s; 0 without one."""
+    """The watch after a sample. ``speed``: that the vehicle is known or feared to have, m/s."""
     share = min(1.0, dt_s / MEAN_S)
     gyro = add(rest.gyro, scale(sub(reading.gyro, rest.gyro), share))
     accel = add(rest.accel, scale(sub(reading.accel, rest.accel), share))

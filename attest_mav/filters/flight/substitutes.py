@@ -11,9 +11,9 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import add, cross, dot, q_to_matrix, rotate, scale, sub
-from attest_mav.filters.flight.covariance import Row
+from attest_mav.filters.flight.covariance import Reach, Row
 from attest_mav.filters.flight.fixes import unit_axis
-from attest_mav.filters.flight.motion import Motion, reach_of, updated
+from attest_mav.filters.flight.motion import Motion, reach_of, supposed, updated
 from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.matrices import transpose
 from attest_mav.types import Vec3
@@ -57,7 +57,7 @@ def held_by_air(motion: Motion, air: Air, airspeed: float, settings: FlightParam
     """The motion after the three rows of a wing's velocity through the air."""
     variance = settings.speed_noise**2 / air.waited_s
     for axis in range(3):
-        motion = _soft(motion, wing_row(motion, air.wind, axis, airspeed), variance)
+        motion = _supposed(motion, wing_row(motion, air.wind, axis, airspeed), variance)
     return motion
 
 
@@ -73,7 +73,7 @@ def held_by_gravity(motion: Motion, force: Vec3, waited_s: float, settings: Flig
     """The motion after two rows of zero horizontal acceleration; ``force``: specific force, NED, m/s^2."""
     variance = settings.gravity_noise**2 / waited_s
     first, second = gravity_rows(force)
-    return _soft(_soft(motion, first, variance), second, variance)
+    return _supposed(_supposed(motion, first, variance), second, variance)
 
 
 def held_in_place(motion: Motion, waited_s: float, settings: FlightParameters) -> Motion:
@@ -91,7 +91,17 @@ def gravity_rows(force: Vec3) -> tuple[Row, Row]:
 
 
 def _soft(motion: Motion, row: Row, variance: float) -> Motion:
-    """The motion after a row whose variance grows with the residual from ``GATE`` on (paper 2, eq. (16))."""
+    """The motion after a row with inflated variance."""
     seen = reach_of(motion, row)
-    surprise = abs(row.residual) / sqrt(seen.variance + variance)
-    return updated(motion, row, seen, variance * max(1.0, surprise / GATE))
+    return updated(motion, row, seen, _inflated(row, seen, variance))
+
+
+def _supposed(motion: Motion, row: Row, variance: float) -> Motion:
+    """The same, of a row that is not measured."""
+    seen = reach_of(motion, row)
+    return supposed(motion, row, seen, _inflated(row, seen, variance))
+
+
+def _inflated(row: Row, seen: Reach, variance: float) -> float:
+    """The variance, growing with the residual from ``GATE`` sigmas on (paper 2, eq. (16))."""
+    return variance * max(1.0, abs(row.residual) / sqrt(seen.variance + variance) / GATE)

@@ -43,7 +43,7 @@ def with_aids(aids, **others):
         inclination=others.get("inclination", aids.inclination),
         forward_speed=aids.forward_speed,
         side_speed=aids.side_speed,
-        in_place=aids.in_place,
+        in_place=others.get("in_place", aids.in_place),
     )
 
 
@@ -155,7 +155,7 @@ def test_a_copter_falls_back_on_gravity_after_a_while(copter_log):
 
 
 def test_no_velocity_at_all(copter_log):
-    blind = changed(copter_log, lambda _k, s, a: (s, with_aids(a, velocity=None)))
+    blind = changed(copter_log, lambda k, s, a: (s, with_aids(a, velocity=None, in_place=k < 500)))
     states = blind.run()
     tilt, heading = blind.errors(states)
     assert states[300].flying.aid == Aid.REST
