@@ -112,6 +112,16 @@ class FilterState:
         """What the heading refers to; None where the filter leaves that to its caller."""
         return None
 
+    @property
+    def velocity_nis(self) -> float:
+        """Normalised innovation squared of this step's velocity, mean of the axes; NaN without one."""
+        return nan
+
+    @property
+    def field_nis(self) -> float:
+        """Normalised innovation squared of this step's magnetometer reading, mean of the axes; NaN without one."""
+        return nan
+
 
 class AttitudeFilter:
     """The protocol. Subclasses are frozen dataclasses of parameters.

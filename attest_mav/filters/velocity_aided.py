@@ -10,7 +10,7 @@ docs/flight.md has the equations, and what each part is worth.
 """
 
 from dataclasses import dataclass, field
-from math import asin, isfinite, pi
+from math import asin, isfinite, nan, pi
 from typing import Final, cast
 
 from mypy_extensions import mypyc_attr
@@ -72,6 +72,22 @@ class VelocityAidedState(FilterState):
         if flying is None or self.heading_sigma > NORTH_LOST:
             return North.RELATIVE
         return North.TRUE if flying.declined else North.MAGNETIC
+
+    @property
+    def velocity_nis(self) -> float:
+        """Of the fix that this step used, NaN if it used none."""
+        flying = self.flying
+        if flying is None or self.alignment is not None or flying.fixes.lost_s > 0.0:
+            return nan
+        return flying.fixes.nis
+
+    @property
+    def field_nis(self) -> float:
+        """Of the reading that came with this step, rejected or not; NaN if none did, as in a flight just begun."""
+        flying = self.flying
+        if flying is None or self.alignment is not None or not flying.strapdown.track.points:
+            return nan
+        return flying.compass.nis if flying.compass.held_s <= 0.0 else nan
 
 
 @dataclass(frozen=True)

@@ -84,8 +84,32 @@ def test_json_is_one_object_a_log_one_a_line(attest_mav):
     assert keys <= laps.keys()
     assert set(laps["imu"]) == {"message", "samples", "rate_hz", "gaps"}
     assert set(laps["reference"]) == {"message", "samples"}
-    assert set(laps["filters"][0]) == {"name", "samples", "tilt_deg", "heading_deg"}
+    assert set(laps["filters"][0]) == {"name", "samples", "tilt_deg", "heading_deg", "valid", "consistency"}
     assert set(laps["autopilot"]["heading_deg"]) == {"rms", "p95", "max"}
+
+
+def test_filters_with_a_sigma_are_held_to_it(attest_mav):
+    names = ("gradient-descent", "robust-adaptive", "leveling", "velocity-aided")
+    arguments = ("replay", LAPS, "--filter", ",".join(names), *ON_BRIEF_LOGS)
+    code, out, _ = attest_mav(*arguments, "--json")
+    assert code == 0
+    without, *sure = json.loads(out)["filters"]
+    assert (without["valid"], without["consistency"]) == (None, None)
+    for one in sure:
+        consistency = one["consistency"]
+        assert set(one["valid"]) == {"share", "tilt_deg"}
+        assert set(consistency) == {"tilt", "heading", "nis"}
+        assert set(consistency["nis"]) == {"velocity", "magnetometer"}
+        for shares in (consistency["tilt"], consistency["heading"]):
+            assert set(shares) == {"within_1", "within_2", "within_3", "rms"}
+    _, out, _ = attest_mav(*arguments)
+    table = out.partition("its own")[2]
+    assert [line.split()[0] for line in table.splitlines()[-5:] if line.strip()] == [*names[1:], "if"]
+
+
+def test_without_a_sigma_there_is_no_table_of_sigmas(attest_mav):
+    _, out, _ = attest_mav("replay", LAPS, "--filter", "gradient-descent", *ON_BRIEF_LOGS)
+    assert "its own" not in out
 
 
 def test_what_is_named_is_used(attest_mav):
