@@ -127,14 +127,8 @@ def test_every_fix_and_every_new_reading_of_the_compass_has_a_nis(figures, data_
         assert figures[name]["consistency"]["nis"] == {"velocity": None, "magnetometer": None}
 
 
-def test_without_a_reference_only_the_innovations_are_left(data_cut, dialect):
-    kept, offset = b"", 0
-    names = {dialect.id_of(name) for name in ("RAW_IMU", "GPS_RAW_INT", "HEARTBEAT")}
-    while offset < len(data_cut):
-        length = 8 + 12 + data_cut[offset + 9]
-        if int.from_bytes(data_cut[offset + 15 : offset + 18], "little") in names:
-            kept += data_cut[offset : offset + length]
-        offset += length
+def test_without_a_reference_only_the_innovations_are_left(data_cut, dialect, without):
+    kept = without(data_cut, *map(dialect.id_of, ("SIM_STATE", "ATTITUDE", "AHRS2")))
     request = Request((default_filter("velocity-aided"),), window=Window(skip_s=SKIP_S))
     one = as_json("log", "tlog", replay(kept, dialect, request, Outputs()))["filters"][0]
     assert one["samples"] == 0
