@@ -208,7 +208,7 @@ class Estimate:
     angular rate, rad/s. north: what the heading refers to. tilt_sigma, heading_sigma: 1-sigma, rad, NaN where the
     filter has no covariance. dt_s: the step that led here, s. delay_s: how much later than usual the sample came, s.
     velocity_nis, field_nis: normalised innovation squared of the velocity and of the magnetometer in this step, mean of
-    the axes; NaN where the step had none.
+    the axes; NaN where the step had none. aided: a velocity over ground tells acceleration from tilt.
     """
 
     def __init__(
@@ -226,6 +226,7 @@ class Estimate:
         delay_s: float = 0.0,
         velocity_nis: float = nan,
         field_nis: float = nan,
+        aided: bool = False,
     ) -> None:
         self.lane: Final = lane
         self.filter_name: Final = filter_name
@@ -240,3 +241,4 @@ class Estimate:
         self.delay_s: Final = delay_s
         self.velocity_nis: Final = velocity_nis
         self.field_nis: Final = field_nis
+        self.aided: Final = aided

@@ -67,6 +67,7 @@ class Track:
             delay_s,
             state.velocity_nis,
             state.field_nis,
+            state.aided,
         )
 
 
