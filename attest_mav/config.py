@@ -104,9 +104,12 @@ class EstimateConfig(_Record, frozen=True):
 
 
 class VerdictConfig(_Record, frozen=True):
-    """When the autopilot's attitude counts as wrong; the heading's threshold is twice the tilt's."""
+    """When the autopilot's attitude counts as wrong; the heading's threshold is twice the tilt's.
 
-    tilt_deg: Annotated[float, Meta(gt=0.0, le=90.0)] = 10.0
+    ``tilt_deg``: auto goes by what our own attitude rests on, see ``VerdictSettings``.
+    """
+
+    tilt_deg: Literal["auto"] | Annotated[float, Meta(gt=0.0, le=90.0)] = "auto"
     hold_s: Annotated[float, Meta(ge=0.0, le=60.0)] = 1.0
     release: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.7
     max_sigma_deg: Annotated[float, Meta(gt=0.0, le=90.0)] = 5.0
@@ -140,8 +143,10 @@ class Config(_Record, frozen=True):
 
     def pipeline_settings(self) -> PipelineSettings:
         """The pipeline's settings, in radians."""
+        tilt_deg = self.verdict.tilt_deg
         verdict = VerdictSettings(
-            tilt=radians(self.verdict.tilt_deg),
+            tilt=VerdictSettings().tilt if tilt_deg == "auto" else radians(tilt_deg),
+            aided_tilt=VerdictSettings().aided_tilt if tilt_deg == "auto" else radians(tilt_deg),
             hold_s=self.verdict.hold_s,
             release=self.verdict.release,
             max_sigma=radians(self.verdict.max_sigma_deg),

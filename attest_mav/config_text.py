@@ -78,7 +78,12 @@ def _choices(parts: list[str], record: type[msgspec.Struct]) -> str:
         return " or ".join(get_args(kind))
     words = [word for one in get_args(kind) if get_origin(one) is Literal for word in get_args(one)]
     limits = [limit for one in get_args(kind) for limit in getattr(one, "__metadata__", ())]
-    return f"{' or '.join(words)} or a number from {limits[0].ge:g} to {limits[0].le:g}" if words and limits else ""
+    return f"{' or '.join(words)} or a number {_range_text(limits[0])}" if words and limits else ""
+
+
+def _range_text(limits: msgspec.Meta) -> str:
+    """Which numbers may be given, of a range that ends with ``le``."""
+    return f"from {limits.ge:g} to {limits.le:g}" if limits.gt is None else f"above {limits.gt:g}, up to {limits.le:g}"
 
 
 def _value_at(parts: list[str], data: Any) -> Any:

@@ -110,9 +110,12 @@ class VelocityAidedConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=Tru
 
 
 class FilterConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The filter that is published, and the parameters of each: one table a filter, named like it."""
+    """The filter that is published, and the parameters of each: one table a filter, named like it.
 
-    name: Literal["gradient-descent", "robust-adaptive", "leveling", "velocity-aided"] = "gradient-descent"
+    auto is velocity-aided: it finds something else to rest on where there is no velocity.
+    """
+
+    name: Literal["auto", "gradient-descent", "robust-adaptive", "leveling", "velocity-aided"] = "auto"
     gradient_descent: GradientDescentConfig = msgspec.field(
         name="gradient-descent", default_factory=GradientDescentConfig
     )
@@ -120,12 +123,17 @@ class FilterConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_o
     leveling: LevelingConfig = msgspec.field(default_factory=LevelingConfig)
     velocity_aided: VelocityAidedConfig = msgspec.field(name="velocity-aided", default_factory=VelocityAidedConfig)
 
+    @property
+    def chosen(self) -> str:
+        """The name of the filter that runs."""
+        return "velocity-aided" if self.name == "auto" else self.name
+
     def build(self) -> AttitudeFilter:
         """The chosen filter."""
-        chosen: dict[str, GradientDescentConfig | RobustAdaptiveConfig | LevelingConfig | VelocityAidedConfig] = {
+        configs: dict[str, GradientDescentConfig | RobustAdaptiveConfig | LevelingConfig | VelocityAidedConfig] = {
             "gradient-descent": self.gradient_descent,
             "robust-adaptive": self.robust_adaptive,
             "leveling": self.leveling,
             "velocity-aided": self.velocity_aided,
         }
-        return chosen[self.name].build()
+        return configs[self.chosen].build()

@@ -24,6 +24,7 @@ made in some 30 ns, where a frozen dataclass takes 550.
 """
 
 from enum import IntEnum
+from math import nan
 from typing import Final
 
 Vec3 = tuple[float, float, float]
@@ -206,6 +207,8 @@ class Estimate:
     lane: the IMU message. filter_name: the filter. q_nb: body to NED, sign-continuous. rates: bias-corrected body
     angular rate, rad/s. north: what the heading refers to. tilt_sigma, heading_sigma: 1-sigma, rad, NaN where the
     filter has no covariance. dt_s: the step that led here, s. delay_s: how much later than usual the sample came, s.
+    velocity_nis, field_nis: normalised innovation squared of the velocity and of the magnetometer in this step, mean of
+    the axes; NaN where the step had none. aided: a velocity over ground tells acceleration from tilt.
     """
 
     def __init__(
@@ -221,6 +224,9 @@ class Estimate:
         heading_sigma: float,
         dt_s: float,
         delay_s: float = 0.0,
+        velocity_nis: float = nan,
+        field_nis: float = nan,
+        aided: bool = False,
     ) -> None:
         self.lane: Final = lane
         self.filter_name: Final = filter_name
@@ -233,3 +239,6 @@ class Estimate:
         self.heading_sigma: Final = heading_sigma
         self.dt_s: Final = dt_s
         self.delay_s: Final = delay_s
+        self.velocity_nis: Final = velocity_nis
+        self.field_nis: Final = field_nis
+        self.aided: Final = aided

@@ -69,7 +69,9 @@ def test_nothing_is_needed():
         ("[output]\nrate_hz = inf", "output.rate_hz: expected float <= 1000.0, got inf"),
         ("[estimate]\ndeclination_deg = 'x'", "expected auto or a number from -180 to 180, got 'x'"),
         ("[estimate]\ndeclination_deg = 181", "expected auto or a number from -180 to 180, got 181"),
-        ("[filter]\nname = 'kalman'", "filter.name: expected gradient-descent"),
+        ("[filter]\nname = 'kalman'", "filter.name: expected auto or gradient-descent or "),
+        ("[verdict]\ntilt_deg = 'x'", "verdict.tilt_deg: expected auto or a number above 0, up to 90, got 'x'"),
+        ("[verdict]\ntilt_deg = 0", "verdict.tilt_deg: expected auto or a number above 0, up to 90, got 0"),
         ("[[link]]\nurl = 'foo'", "link[0].url: link 'foo': expected serial:"),
         ("[[link]]", "link[0]: the key url is missing"),
         ("[[link]]\nurl = 'sim:'\npublish = ['x']", "link[0].publish[0]: expected attitude_quaternion or "),
@@ -168,7 +170,8 @@ def test_infinity_is_a_value_where_it_means_something():
 
 
 def test_a_fixed_field_is_given_by_its_dip():
-    built = parse_config("[filter.gradient-descent]\nreference_dip_deg = 60", "x").filter.build()
+    text = "[filter]\nname = 'gradient-descent'\n[filter.gradient-descent]\nreference_dip_deg = 60"
+    built = parse_config(text, "x").filter.build()
     assert isinstance(built, GradientDescent)
     assert built.field.b_x == pytest.approx(0.5)
     assert built.field.b_z == pytest.approx(0.8660254)
@@ -185,8 +188,20 @@ def test_what_the_flight_filter_must_know_reaches_it(key):
 def test_angles_are_radians_inside():
     config = parse_config("[verdict]\ntilt_deg = 3\nmax_sigma_deg = 1", "x")
     pipeline = config.pipeline_settings()
-    assert pipeline.verdict.tilt == pytest.approx(radians(3.0))
+    assert pipeline.verdict.tilt == pipeline.verdict.aided_tilt == pytest.approx(radians(3.0))
     assert pipeline.verdict.max_sigma == pytest.approx(radians(1.0))
+
+
+def test_left_to_itself_it_flies_the_filter_for_flight_with_its_parameters():
+    config = parse_config("[filter.velocity-aided]\nlow_pass_hz = 40", "x")
+    assert config.filter.name == "auto"
+    assert config.filter.chosen == config.filter.build().name == "velocity-aided"
+    assert config.filter.build().parameters.low_pass_hz == 40.0
+
+
+def test_left_to_itself_the_verdict_is_stricter_with_a_velocity():
+    verdict = parse_config("", "x").pipeline_settings().verdict
+    assert (verdict.tilt, verdict.aided_tilt) == pytest.approx((radians(10.0), radians(3.0)))
 
 
 def test_scales_of_raw_readings_go_together():

@@ -18,7 +18,7 @@ def check(file: str) -> None:
     """Say whether FILE is a valid configuration; exit code 78 if it is not."""
     config = parse_config(read_config(file), file)
     links = ", ".join(link.url for link in config.link) or "none (give --link)"
-    click.echo(f"{file}: valid; links: {links}; filter: {config.filter.name}")
+    click.echo(f"{file}: valid; links: {links}; filter: {config.filter.chosen}")
 
 
 @command.command("show")

@@ -25,6 +25,7 @@ from attest_mav.logs.detect import HEAD_BYTES, require_format
 from attest_mav.mavlink.dialect import Dialect, load_dialect
 from attest_mav.runtime.files import atomic_write, open_log
 
+AUTO: Final = "auto"
 FORMAT_NAMES: Final = {"dataflash": "a DataFlash log", "ulog": "a ULog"}
 
 
@@ -33,10 +34,11 @@ FORMAT_NAMES: Final = {"dataflash": "a DataFlash log", "ulog": "a ULog"}
 @click.option(
     "--filter",
     "filters",
-    default=filter_names()[0],
+    default=AUTO,
     show_default=True,
     metavar="A,B",
-    help=f"Filters to run, of {', '.join(filter_names())}.",
+    help=f"Filters to run, of {', '.join(filter_names())}; {AUTO}: velocity-aided where the log has a velocity, else "
+    "gradient-descent.",
 )
 @click.option("--imu", metavar="MESSAGE", help=f"Inertial message to use, of {', '.join(IMU_MESSAGES)}.")
 @click.option("--reference", metavar="MESSAGE", help=f"What to compare with, of {', '.join(NAMED_REFERENCES)}.")
@@ -128,8 +130,12 @@ def _replay_one(name: str, dialect: Dialect, request: Request, outputs: Outputs)
 
 
 def _filters(text: str) -> tuple[AttitudeFilter, ...]:
-    """The filters of a list of names with commas."""
+    """The filters of a list of names with commas; none for ``AUTO``."""
     names = [name.strip() for name in text.split(",")]
+    if names == [AUTO]:
+        return ()
+    if AUTO in names:
+        raise UsageError(f"--filter {text}: {AUTO} stands alone; expected it, or names of filters")
     if len(set(names)) < len(names):
         raise UsageError(f"--filter {text}: a filter is named twice")
     return tuple(default_filter(name) for name in names)

@@ -10,6 +10,8 @@ from rich.table import Table
 
 PIPE_COLUMNS = 120
 """Width where there is no terminal to ask."""
+CONSISTENT = ("63.2  98.2  99.9", "1.00", "68.3  95.4  99.7", "1.00")
+"""Shares within 1, 2 and 3 sigma and rms, of tilt and heading (``attest_mav.evaluation.replay.consistency``)."""
 
 
 def print_report(report: dict[str, Any]) -> None:
@@ -22,6 +24,8 @@ def print_report(report: dict[str, Any]) -> None:
         for label, text in _facts(report):
             console.print(f"  {label:<10} {text}", soft_wrap=True)
         console.print(_table(report))
+        if any(one["consistency"] is not None for one in report["filters"]):
+            console.print(_sigma_table(report))
     click.echo(capture.get(), nl=False)
 
 
@@ -67,6 +71,47 @@ def _table(report: dict[str, Any]) -> Table:
     if own is not None:
         table.add_row(f"autopilot's {own['message']}", *_figures(own), str(own["samples"]), style="dim")
     return table
+
+
+def _sigma_table(report: dict[str, Any]) -> Table:
+    """One row a filter that has sigmas, and below them what a consistent one would show; ratio: error / sigma."""
+    table = Table(box=SIMPLE_HEAD, padding=(0, 1))
+    table.add_column("its own\nsigma")
+    for kind in ("tilt", "heading"):
+        table.add_column(f"{kind}: % within\n1, 2, 3 sigma", justify="right", no_wrap=True)
+        table.add_column("rms of\nratio", justify="right")
+    table.add_column("NIS,\nvel.", justify="right")
+    table.add_column("NIS,\nmag.", justify="right")
+    table.add_column("sigma\n< 1 deg", justify="right")
+    table.add_column("tilt rms\nthere", justify="right")
+    for one in report["filters"]:
+        if one["consistency"] is not None:
+            table.add_row(one["name"], *_sigma_figures(one))
+    table.add_row("if consistent", *CONSISTENT, style="dim")
+    return table
+
+
+def _sigma_figures(one: dict[str, Any]) -> list[str]:
+    """The cells of one filter."""
+    consistency, valid = one["consistency"], one["valid"]
+    cells = []
+    for kind in ("tilt", "heading"):
+        cells += _shares(consistency[kind])
+    for source in ("velocity", "magnetometer"):
+        nis = consistency["nis"][source]
+        cells.append("-" if nis is None else f"{nis['mean']:.2f}")
+    if valid is None:
+        return [*cells, "-", "-"]
+    spread = valid["tilt_deg"]
+    return [*cells, f"{100.0 * valid['share']:.1f} %", "-" if spread is None else _significant(spread["rms"])]
+
+
+def _shares(shares: dict[str, float] | None) -> list[str]:
+    """Percentages within 1, 2 and 3 sigma, cut rather than rounded up to 100, and the rms."""
+    if shares is None:
+        return ["-", "-"]
+    percentages = [f"{floor(1000.0 * shares[f'within_{k}']) / 10.0:.1f}" for k in (1, 2, 3)]
+    return ["  ".join(percentages), f"{shares['rms']:.2f}"]
 
 
 def _figures(errors: dict[str, Any]) -> list[str]:

@@ -57,6 +57,12 @@ class Lane:
         """True once the filters run that do not align themselves."""
         return self._aligned
 
+    @property
+    def rests_on(self) -> str:
+        """What the first filter rests on, see ``FilterState.rests_on``; "" before it runs."""
+        state = self._tracks[0].state
+        return "" if state is None else state.rests_on
+
     def handle(self, sample: ImuSample) -> list[Event]:
         """Take the next sample of this source. What aids the filters was given to ``aiding`` before."""
         events: list[Event] = []

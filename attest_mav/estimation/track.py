@@ -65,6 +65,9 @@ class Track:
             state.heading_sigma,
             dt_s,
             delay_s,
+            state.velocity_nis,
+            state.field_nis,
+            state.aided,
         )
 
 

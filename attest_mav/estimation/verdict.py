@@ -36,13 +36,16 @@ FROZEN_RATE: Final = 0.02
 
 @dataclass(frozen=True)
 class VerdictSettings:
-    """tilt: threshold, rad; the heading's is twice that. hold_s: a difference must last this long to count.
+    """tilt: threshold, rad; the heading's is twice that. aided_tilt: the same while our own attitude is ``aided``.
 
+    Aided, 3 degrees are cautious for real sensors; without a velocity filters err by degrees in flight, and the
+    threshold is ArduPilot's own before arming. hold_s: a difference must last this long to count.
     release: share of the threshold below which a disagreement ends. max_sigma: above this tilt sigma of our own,
     rad, there is no verdict. stale_s: a reference older than this is no reference.
     """
 
     tilt: float = radians(10.0)
+    aided_tilt: float = radians(3.0)
     hold_s: float = 1.0
     release: float = 0.7
     max_sigma: float = radians(5.0)
@@ -113,9 +116,10 @@ class Judge:
     def _offence(self, estimate: Estimate, tilt: float, heading: float) -> str:
         """Which difference is too large now: "tilt", "heading" or "agrees"."""
         share = self._settings.release if self._disagrees else 1.0
-        if tilt > share * _limit(self._settings.tilt, estimate.tilt_sigma):
+        threshold = self._settings.aided_tilt if estimate.aided else self._settings.tilt
+        if tilt > share * _limit(threshold, estimate.tilt_sigma):
             return "tilt"
-        if abs(heading) > share * _limit(2.0 * self._settings.tilt, estimate.heading_sigma):
+        if abs(heading) > share * _limit(2.0 * threshold, estimate.heading_sigma):
             return "heading"
         return "agrees"
 

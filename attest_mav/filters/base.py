@@ -115,6 +115,26 @@ class FilterState:
         """What the heading refers to; None where the filter leaves that to its caller."""
         return None
 
+    @property
+    def aided(self) -> bool:
+        """True while a velocity over ground tells acceleration from tilt: a fresh one, or one carried on a while."""
+        return False
+
+    @property
+    def rests_on(self) -> str:
+        """What keeps the attitude from drifting at present, in words; "" for a filter that always does the same."""
+        return ""
+
+    @property
+    def velocity_nis(self) -> float:
+        """Normalised innovation squared of this step's velocity, mean of the axes; NaN without one."""
+        return nan
+
+    @property
+    def field_nis(self) -> float:
+        """Normalised innovation squared of this step's magnetometer reading, mean of the axes; NaN without one."""
+        return nan
+
 
 class AttitudeFilter:
     """The protocol. Subclasses are frozen dataclasses of parameters.

@@ -10,7 +10,7 @@ docs/flight.md has the equations, and what each part is worth.
 """
 
 from dataclasses import dataclass, field
-from math import asin, isfinite, pi
+from math import asin, isfinite, nan, pi
 from typing import Final, cast
 
 from mypy_extensions import mypyc_attr
@@ -72,6 +72,53 @@ class VelocityAidedState(FilterState):
         if flying is None or self.heading_sigma > NORTH_LOST:
             return North.RELATIVE
         return North.TRUE if flying.declined else North.MAGNETIC
+
+    @property
+    def aided(self) -> bool:
+        """True with velocity fixes, and while the last velocity is carried on."""
+        flown = self._flown
+        return flown is not None and flown.aid in {Aid.VELOCITY, Aid.COASTING}
+
+    @property
+    def rests_on(self) -> str:
+        """The velocity and where it comes from, or what has taken its place; "" while it aligns."""
+        flown = self._flown
+        if flown is None:
+            return "just aligned" if self.aligned else ""
+        if flown.aid == Aid.VELOCITY:
+            return f"velocity from {flown.fixes.source}"
+        return f"no velocity: {_substitute(flown.aid)}"
+
+    @property
+    def velocity_nis(self) -> float:
+        """Of the fix that this step used, NaN if it used none."""
+        flown = self._flown
+        return nan if flown is None or flown.fixes.lost_s > 0.0 else flown.fixes.nis
+
+    @property
+    def field_nis(self) -> float:
+        """Of the reading that came with this step, rejected or not; NaN if none did."""
+        flown = self._flown
+        return nan if flown is None or flown.compass.held_s > 0.0 else flown.compass.nis
+
+    @property
+    def _flown(self) -> Flying | None:
+        """The flight, once it has gone a step: until then it tells of the time before a gap, or of none."""
+        flying = self.flying
+        if flying is None or self.alignment is not None or not flying.strapdown.track.points:
+            return None
+        return flying
+
+
+def _substitute(aid: Aid) -> str:
+    """The name of what has taken the velocity's place."""
+    if aid == Aid.REST:
+        return "at rest"
+    if aid == Aid.AIRSPEED:
+        return "airspeed"
+    if aid == Aid.PLACE:
+        return "taken to stay in place"
+    return "coasting" if aid == Aid.COASTING else "gravity only"
 
 
 @dataclass(frozen=True)

@@ -146,7 +146,7 @@ class Service:
         if self._declination_deg is not None:
             self.pipeline.set_declination(radians(self._declination_deg))
         note = self.decoder.notes.get(source, "")
-        log.info("using %s with the filter %s%s", source, config.filter.name, f" ({note})" if note else "")
+        log.info("using %s with the filter %s%s", source, config.filter.chosen, f" ({note})" if note else "")
 
     def _act(self, events: list[Event], now_ns: int) -> None:
         """Do what the pipeline's events mean."""

@@ -27,6 +27,17 @@ def attitude_text(estimate: Estimate) -> str:
     return f"roll {roll:+.1f} pitch {pitch:+.1f} yaw {yaw % 360.0:.1f} ({NORTH_NAMES[estimate.north]})"
 
 
+def filter_text(estimate: Estimate, rests_on: str) -> str:
+    """Which filter runs, what it rests on now ("" where it always does the same), and its own 1-sigma in degrees."""
+    parts = [estimate.filter_name]
+    if rests_on:
+        parts.append(rests_on)
+    if isfinite(estimate.tilt_sigma):
+        tilt, heading = degrees(estimate.tilt_sigma), degrees(estimate.heading_sigma)
+        parts.append(f"sigma tilt {tilt:.2f} heading {heading:.2f} deg")
+    return ", ".join(parts)
+
+
 def verdict_text(verdict: Verdict) -> str:
     """Whether the autopilot agrees, and by how much it does not."""
     parts = [f"{verdict.source or 'autopilot'} {_VERDICTS[verdict.agreement]}"]
@@ -59,9 +70,7 @@ class StatusLine:
             parts += _obstacles(service)
         else:
             parts.append(attitude_text(estimate))
-            if service.pipeline is not None and service.pipeline.verdict is not None:
-                parts.append(verdict_text(service.pipeline.verdict))
-            parts += _speed_text(service)
+            parts += _pipeline_texts(service, estimate)
         held = [port.name for port in service.companion.ports if port.held]
         parts.append(f"sent {sent_hz:.1f} Hz" + (f", held back on {', '.join(held)}" if held else ""))
         return " | ".join(parts)
@@ -102,9 +111,15 @@ def _imu_text(service: "Service", hz: float) -> str:
     return asked if stream.answer in {"", "accepted"} else f"{asked} ({stream.answer})"
 
 
-def _speed_text(service: "Service") -> list[str]:
-    """Where the speed comes from, for the filter that needs one."""
+def _pipeline_texts(service: "Service", estimate: Estimate) -> list[str]:
+    """What stands behind the attitude: the filter and its aids, and the verdict."""
     pipeline = service.pipeline
-    if pipeline is None or service.config.filter.name != "leveling" or pipeline.primary not in pipeline.lanes:
+    if pipeline is None or estimate.lane not in pipeline.lanes:
         return []
-    return [f"speed from {pipeline.lanes[pipeline.primary].aiding.speed_source}"]
+    lane = pipeline.lanes[estimate.lane]
+    texts = [filter_text(estimate, lane.rests_on)]
+    if estimate.filter_name == "leveling":
+        texts.append(f"speed from {lane.aiding.speed_source}")
+    if pipeline.verdict is not None:
+        texts.append(verdict_text(pipeline.verdict))
+    return texts

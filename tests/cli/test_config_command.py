@@ -17,7 +17,7 @@ def test_check_says_that_a_file_is_valid_and_what_it_makes():
     path = str(CONFIGS / "attest-mav.toml")
     done = run("check", path)
     assert done.exit_code == 0
-    assert done.output == f"{path}: valid; links: udpin:127.0.0.1:14550; filter: gradient-descent\n"
+    assert done.output == f"{path}: valid; links: udpin:127.0.0.1:14550; filter: velocity-aided\n"
 
 
 @pytest.mark.parametrize("name", ["check", "show"])

@@ -68,7 +68,7 @@ def test_table_shows_the_autopilots_own_row_and_what_everything_refers_to(attest
     assert err == ""
     for part in ("SIM_STATE, 1000 samples", "RAW_IMU, 1000 samples at 50.0 Hz", "true; declination +1.30 deg, WMM"):
         assert part in out
-    assert "gradient-descent" in out
+    assert "velocity-aided" in out
     own = next(line for line in out.splitlines() if "autopilot's ATTITUDE" in line)
     tilt_rms = float(own.split()[2])
     assert 0.1 < tilt_rms < 0.3
@@ -84,8 +84,46 @@ def test_json_is_one_object_a_log_one_a_line(attest_mav):
     assert keys <= laps.keys()
     assert set(laps["imu"]) == {"message", "samples", "rate_hz", "gaps"}
     assert set(laps["reference"]) == {"message", "samples"}
-    assert set(laps["filters"][0]) == {"name", "samples", "tilt_deg", "heading_deg"}
+    assert set(laps["filters"][0]) == {"name", "samples", "tilt_deg", "heading_deg", "valid", "consistency"}
     assert set(laps["autopilot"]["heading_deg"]) == {"rms", "p95", "max"}
+
+
+def test_without_a_velocity_another_filter_is_taken_and_both_outputs_say_so(attest_mav, tmp_path, without):
+    path = tmp_path / "no_gps.tlog"
+    path.write_bytes(without(LAPS.read_bytes(), 24))
+    _, with_velocity, _ = attest_mav("replay", LAPS, "--json", *ON_BRIEF_LOGS)
+    _, out, _ = attest_mav("replay", path, "--filter", "auto", "--json", *ON_BRIEF_LOGS)
+    _, table, _ = attest_mav("replay", path, *ON_BRIEF_LOGS)
+    assert json.loads(with_velocity)["filters"][0]["name"] == "velocity-aided"
+    result = json.loads(out)
+    assert [one["name"] for one in result["filters"]] == ["gradient-descent"]
+    assert any(note.startswith("no velocity in the log: it has no GPS_RAW_INT") for note in result["notes"])
+    assert "no velocity in the log: it has no GPS_RAW_INT" in table
+    assert "\n  gradient-descent " in table
+
+
+def test_filters_with_a_sigma_are_held_to_it(attest_mav):
+    names = ("gradient-descent", "robust-adaptive", "leveling", "velocity-aided")
+    arguments = ("replay", LAPS, "--filter", ",".join(names), *ON_BRIEF_LOGS)
+    code, out, _ = attest_mav(*arguments, "--json")
+    assert code == 0
+    without, *sure = json.loads(out)["filters"]
+    assert (without["valid"], without["consistency"]) == (None, None)
+    for one in sure:
+        consistency = one["consistency"]
+        assert set(one["valid"]) == {"share", "tilt_deg"}
+        assert set(consistency) == {"tilt", "heading", "nis"}
+        assert set(consistency["nis"]) == {"velocity", "magnetometer"}
+        for shares in (consistency["tilt"], consistency["heading"]):
+            assert set(shares) == {"within_1", "within_2", "within_3", "rms"}
+    _, out, _ = attest_mav(*arguments)
+    table = out.partition("its own")[2]
+    assert [line.split()[0] for line in table.splitlines()[-5:] if line.strip()] == [*names[1:], "if"]
+
+
+def test_without_a_sigma_there_is_no_table_of_sigmas(attest_mav):
+    _, out, _ = attest_mav("replay", LAPS, "--filter", "gradient-descent", *ON_BRIEF_LOGS)
+    assert "its own" not in out
 
 
 def test_what_is_named_is_used(attest_mav):
@@ -106,7 +144,7 @@ def test_csv_has_a_row_for_every_attitude_and_figures_agree_with_it(attest_mav, 
     result = json.loads(out.splitlines()[0])
     with target.open(newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["log"] == str(LAPS)]
-    ours = [row for row in rows if row["filter"] == "gradient-descent"]
+    ours = [row for row in rows if row["filter"] == "velocity-aided"]
     counted = [float(row["tilt_error_deg"]) for row in ours if row["counted"] == "1"]
     assert len(counted) == result["filters"][0]["samples"]
     assert max(counted) == pytest.approx(result["filters"][0]["tilt_deg"]["max"], abs=1e-5)
@@ -117,9 +155,10 @@ def test_csv_has_a_row_for_every_attitude_and_figures_agree_with_it(attest_mav, 
 
 def test_woven_log_replays_like_the_original(attest_mav, tmp_path):
     woven = tmp_path / "woven.tlog"
-    code, original, _ = attest_mav("replay", LAPS, "--json", "--tlog", woven, *ON_BRIEF_LOGS)
+    options = ("--filter", "gradient-descent", "--json", *ON_BRIEF_LOGS)  # it has an attitude after half a second
+    code, original, _ = attest_mav("replay", LAPS, "--tlog", woven, *options)
     assert code == 0
-    code, again, _ = attest_mav("replay", woven, "--json", *ON_BRIEF_LOGS)
+    code, again, _ = attest_mav("replay", woven, *options)
     before, after = json.loads(original), json.loads(again)
     assert after["frames"] > before["frames"] + 900
     for key in ("imu", "reference", "filters", "autopilot", "bad_bytes"):
@@ -189,6 +228,7 @@ def test_a_log_without_inertial_messages(attest_mav, tmp_path):
     [
         (("--filter", "kalman"), 2, "unknown filter 'kalman'; known filters: gradient-descent"),
         (("--filter", "gradient-descent,gradient-descent"), 2, "named twice"),
+        (("--filter", "auto,leveling"), 2, "auto stands alone"),
         (("--imu", "ATTITUDE"), 2, "unknown inertial message 'ATTITUDE'"),
         (("--reference", "TRUTH"), 2, "unknown reference 'TRUTH'"),
         (("--reference", "SIMSTATE"), 65, "no SIMSTATE in it to compare with; it has SIM_STATE, ATTITUDE"),

@@ -1,6 +1,7 @@
 """Disturbance, limits, virtual time, real code: each test is a flight."""
 
 import math
+import re
 
 import pytest
 
@@ -58,14 +59,14 @@ def test_quaternions_are_unit_and_sign_continuous_through_turns(flight):
     assert before is not None
 
 
-@pytest.mark.parametrize("name", ["gradient-descent", "robust-adaptive", "leveling"])
+@pytest.mark.parametrize("name", ["gradient-descent", "robust-adaptive", "leveling", "velocity-aided"])
 def test_every_filter_flies(flight, name):
     f = flight(f"[filter]\nname = '{name}'", sim("hover"))
     f.run_until(20.0)
     tilt, heading = f.errors_deg(5.0)
     assert len(f.of_type("ATTITUDE_QUATERNION", 15.0)) == pytest.approx(100, abs=2)
     # In a gust a copter leans and accelerates at once: a filter that takes the accelerometer for gravity sees it level.
-    assert tilt < (8.0 if name == "gradient-descent" else 2.5)
+    assert tilt < {"gradient-descent": 8.0, "velocity-aided": 1.0}.get(name, 2.5)
     assert heading < 5.0
 
 
@@ -298,11 +299,12 @@ def test_the_status_line_says_it_all(flight):
     status.write(f.service, f.now_ns)
     f.run_until(8.0)
     line = status.write(f.service, f.now_ns)
-    state, imu, attitude, verdict, sent = line.split(" | ")
+    state, imu, attitude, witness, verdict, sent = line.split(" | ")
     assert state == "active"
     assert imu.startswith("RAW_IMU 50.")
     assert imu.endswith(" of 50 Hz")
     assert attitude.startswith("roll ")
     assert attitude.endswith("(true)")
+    assert re.fullmatch(r"velocity-aided, velocity from GPS_RAW_INT, sigma tilt 0\.\d\d heading \d\.\d\d deg", witness)
     assert verdict.startswith("ATTITUDE agrees tilt 0.")
     assert sent == "sent 20.0 Hz"

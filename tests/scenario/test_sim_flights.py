@@ -95,6 +95,9 @@ def fly(until_s, filter_name="gradient-descent", **choices):
         ("px4", "square", "robust-adaptive", 1.5, 2.0),
         ("ardupilot", "tumbling", "gradient-descent", 7.0, 4.0),
         ("ardupilot", "coordinated-turns", "leveling", 4.0, 4.0),
+        ("ardupilot", "hover", "velocity-aided", 0.6, 1.2),
+        ("px4", "square", "velocity-aided", 0.4, 1.5),
+        ("ardupilot", "coordinated-turns", "velocity-aided", 0.6, 1.2),
     ],
 )
 def test_a_flight_without_faults(personality, scenario, filter_name, tilt_limit, heading_limit):
@@ -127,6 +130,21 @@ def test_a_jump_of_the_autopilots_attitude_is_told(offset, reason):
     assert 11.0 <= flight.first_disagreement_s() < 12.0  # held for a second first
     assert flight.verdicts[-1].agreement is Agreement.DISAGREE
     assert flight.verdicts[-1].reason == reason
+
+
+def test_with_a_velocity_half_of_that_is_told():
+    offset = (radians(5.0), 0.0, 0.0)
+    flight = fly(16.0, "velocity-aided", faults=Faults(attitude_offset=offset, attitude_offset_from_s=10.0))
+    assert 11.0 <= flight.first_disagreement_s() < 12.0
+    assert flight.verdicts[-1].reason == "tilt"
+
+
+def test_without_one_an_honest_autopilot_is_not_accused():
+    # The flight filter itself is then off by more than the 3 degrees that it may judge by with a velocity.
+    flight = fly(50.0, "velocity-aided", scenario="coordinated-turns", first_fix_s=1e6)
+    assert flight.worst()[0] > 4.0
+    assert not any(estimate.aided for estimate in flight.estimates)
+    assert flight.first_disagreement_s() == inf
 
 
 def test_a_frozen_attitude_is_told():

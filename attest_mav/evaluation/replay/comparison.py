@@ -1,11 +1,13 @@
 """Attitudes of one source against the reference, sample by sample."""
 
 from collections import deque
+from math import nan
 from typing import Final, Protocol
 
 from attest_mav.algebra import heading_between, tilt_between
 from attest_mav.estimation.timebase import WRAP_NS
-from attest_mav.evaluation.replay.metrics import ErrorColumns
+from attest_mav.evaluation.replay.consistency import Consistency
+from attest_mav.evaluation.replay.metrics import SURE, ErrorColumns
 from attest_mav.evaluation.replay.track import MEMORY_NS, AttitudeTrack
 from attest_mav.types import North, Quat
 
@@ -14,7 +16,8 @@ class Attitude:
     """One attitude to be compared.
 
     elapsed_s: log time, from the first inertial sample. counted: it is past the time left out of the figures.
-    tilt_sigma, heading_sigma: what its source says of its own errors, 1-sigma, rad; NaN when nothing.
+    tilt_sigma, heading_sigma: what its source says of its own errors, 1-sigma, rad; NaN when nothing. velocity_nis,
+    field_nis: its normalised innovations squared, as in ``Estimate``.
     """
 
     def __init__(
@@ -26,6 +29,8 @@ class Attitude:
         tilt_sigma: float,
         heading_sigma: float,
         counted: bool,
+        velocity_nis: float = nan,
+        field_nis: float = nan,
     ) -> None:
         self.t_ns: Final = t_ns % WRAP_NS  # 32-bit clocks wrap, others do not: here all do
         self.elapsed_s: Final = elapsed_s
@@ -34,6 +39,8 @@ class Attitude:
         self.tilt_sigma: Final = tilt_sigma
         self.heading_sigma: Final = heading_sigma
         self.counted: Final = counted
+        self.velocity_nis: Final = velocity_nis
+        self.field_nis: Final = field_nis
 
 
 class Row:
@@ -62,6 +69,7 @@ class Comparison:
     def __init__(self, name: str, track: AttitudeTrack, sink: RowSink | None = None) -> None:
         self.name: Final = name
         self.errors: Final = ErrorColumns()
+        self.consistency: Final = Consistency()
         self._track: Final = track
         self._sink: Final = sink
         self._waiting: Final[deque[Attitude]] = deque()
@@ -86,6 +94,8 @@ class Comparison:
             self._compare(self._waiting.popleft())
 
     def _compare(self, attitude: Attitude) -> None:
+        if attitude.counted:
+            self.consistency.take_step(attitude.tilt_sigma, attitude.velocity_nis, attitude.field_nis)
         tilt: float | None = None
         heading: float | None = None
         truth = self._track.at(attitude.t_ns)
@@ -94,6 +104,13 @@ class Comparison:
             if attitude.north != North.RELATIVE:
                 heading = heading_between(attitude.q_nb, truth)
             if attitude.counted:
-                self.errors.add(tilt, heading)
+                self._count(attitude, tilt, heading)
         if self._sink is not None:
             self._sink.write(Row(self.name, attitude, tilt, heading))
+
+    def _count(self, attitude: Attitude, tilt: float, heading: float | None) -> None:
+        """Make the errors (rad) part of the figures."""
+        self.errors.add(tilt, heading, attitude.tilt_sigma < SURE)
+        self.consistency.tilt.add(tilt, attitude.tilt_sigma)
+        if heading is not None:
+            self.consistency.heading.add(heading, attitude.heading_sigma)

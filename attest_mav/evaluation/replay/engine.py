@@ -15,7 +15,7 @@ from attest_mav.errors import UnreadableDataError
 from attest_mav.evaluation.field_model import Declination, declination_at
 from attest_mav.evaluation.replay.comparison import RowSink
 from attest_mav.evaluation.replay.flight import Flight, Window
-from attest_mav.evaluation.replay.plan import Plan, make_plan
+from attest_mav.evaluation.replay.plan import Plan, make_plan, suitable_filter
 from attest_mav.evaluation.replay.survey import Survey
 from attest_mav.evaluation.replay.weave import ByteSink, Weaver
 from attest_mav.filters.base import AttitudeFilter
@@ -38,9 +38,13 @@ SURVEY_SHARE: Final = 0.2
 
 @dataclass(frozen=True)
 class Request:
-    """What to do with each log. imu, reference: message names, None to choose. declination_deg: None to look it up."""
+    """What to do with each log.
 
-    filters: tuple[AttitudeFilter, ...]
+    filters: empty to take the one that suits the log. imu, reference: message names, None to choose. declination_deg:
+    None to look it up.
+    """
+
+    filters: tuple[AttitudeFilter, ...] = ()
     imu: str | None = None
     reference: str | None = None
     declination_deg: float | None = None
@@ -84,7 +88,7 @@ def replay(buffer: mmap | bytes, dialect: Dialect, request: Request, outputs: Ou
         weaver = Weaver(buffer, outputs.woven, Encoder(dialect, plan.sender[0], OUR_COMPONENT))
     flight = Flight(
         plan,
-        list(request.filters),
+        list(request.filters or [suitable_filter(survey, plan.sender)]),
         nan if declination is None else radians(declination.degrees),
         request.window,
         outputs.rows,
@@ -94,7 +98,8 @@ def replay(buffer: mmap | bytes, dialect: Dialect, request: Request, outputs: Ou
     _fly(buffer, decoder, flight, TlogReader(buffer, dialect, _wanted(dialect, plan)), outputs.progress)
     if not flight.imu.samples:
         raise UnreadableDataError(f"no usable {plan.imu}: {_lack(survey, plan, decoder)}")
-    return Replay(survey, plan, declination, flight, _notes(survey, plan, decoder, flight))
+    notes = [] if request.filters else _choice_notes(survey, plan)
+    return Replay(survey, plan, declination, flight, (*notes, *_notes(survey, plan, decoder, flight)))
 
 
 @dataclass(frozen=True)
@@ -192,6 +197,16 @@ def _lack(survey: Survey, plan: Plan, decoder: Decoder) -> str:
         return f"the log has no HEARTBEAT of system {plan.sender[0]}'s autopilot, which would tell its units"
     reasons = [reason for source, reason in decoder.refusals.items() if source in of_message(plan.imu)]
     return "; ".join(reasons) or "the part to be read has none"
+
+
+def _choice_notes(survey: Survey, plan: Plan) -> list[str]:
+    """Why the filter is not the one for flight, where nobody named one."""
+    if plan.sender[0] in survey.velocities:
+        return []
+    chosen = suitable_filter(survey, plan.sender).name
+    count = survey.count(plan.sender, "GPS_RAW_INT")
+    lack = f"none of {count} GPS_RAW_INT has a 3-D fix with one" if count else "it has no GPS_RAW_INT"
+    return [f"no velocity in the log: {lack}; so {chosen} was chosen, and not velocity-aided"]
 
 
 def _notes(survey: Survey, plan: Plan, decoder: Decoder, flight: Flight) -> tuple[str, ...]:

@@ -3,10 +3,12 @@
 from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import degrees, floor, fsum, sqrt
+from math import degrees, floor, fsum, radians, sqrt
 from typing import Final
 
 P95: Final = 0.95
+SURE: Final = radians(1.0)
+"""A filter is called sure of its tilt while its own sigma is below this, rad."""
 
 
 @dataclass(frozen=True)
@@ -19,18 +21,21 @@ class Spread:
 
 
 class ErrorColumns:
-    """Tilt and heading errors (rad) of one attitude against the reference; 16 bytes a sample.
+    """Tilt and heading errors (rad) of one attitude against the reference; 17 bytes a sample.
 
-    The heading has fewer entries than the tilt when it was not always referred to a north.
+    The heading has fewer entries than the tilt when it was not always referred to a north. Beside each tilt error it
+    is noted whether its source was sure of it.
     """
 
     def __init__(self) -> None:
         self._tilt = array("d")
         self._heading = array("d")
+        self._sure = array("b")
 
-    def add(self, tilt: float, heading: float | None) -> None:
+    def add(self, tilt: float, heading: float | None, sure: bool = False) -> None:
         """Take the errors of one sample, rad; ``heading`` is None when it means nothing."""
         self._tilt.append(tilt)
+        self._sure.append(sure)
         if heading is not None:
             self._heading.append(heading)
 
@@ -47,6 +52,15 @@ class ErrorColumns:
     def tilt(self) -> Spread | None:
         """Figures of the tilt error; None without samples."""
         return spread(self._tilt)
+
+    @property
+    def sure_samples(self) -> int:
+        """Samples with a tilt that their source was sure of."""
+        return sum(self._sure)
+
+    def sure_tilt(self) -> Spread | None:
+        """Figures of the tilt error where the source was sure of it; None without such samples."""
+        return spread([error for error, sure in zip(self._tilt, self._sure, strict=True) if sure])
 
     def heading(self) -> Spread | None:
         """Figures of the heading error; None without samples."""

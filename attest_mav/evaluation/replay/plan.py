@@ -1,10 +1,12 @@
-"""Which vehicle, inertial messages and reference a replay uses: chosen from a survey, or named by the user."""
+"""Which vehicle, inertial messages, reference and filter a replay uses: chosen from a survey, or named by the user."""
 
 from dataclasses import dataclass
 from typing import Final
 
 from attest_mav.errors import UnreadableDataError, UsageError
 from attest_mav.evaluation.replay.survey import IMU_MESSAGES, NAMED_REFERENCES, REFERENCE_MESSAGES, Sender, Survey
+from attest_mav.filters.base import AttitudeFilter
+from attest_mav.filters.registry import default_filter
 from attest_mav.mavlink.imu_choice import preferred_messages
 from attest_mav.mavlink.units import unit_row
 
@@ -54,6 +56,11 @@ def make_plan(survey: Survey, imu: str | None, reference: str | None) -> Plan:
         autopilot if chosen not in AUTOPILOT_MESSAGES else None,
         (autopilot or inertial) if chosen in UNTIMED else None,
     )
+
+
+def suitable_filter(survey: Survey, sender: Sender) -> AttitudeFilter:
+    """The filter for who names none: the one for flight where the receiver gives a velocity, else the hardiest."""
+    return default_filter("velocity-aided" if sender[0] in survey.velocities else "gradient-descent")
 
 
 def _choose_sender(survey: Survey, imu: str | None) -> Sender:

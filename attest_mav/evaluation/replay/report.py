@@ -4,11 +4,12 @@ from math import inf
 from typing import Any, Final
 
 from attest_mav.evaluation.replay.comparison import Comparison
+from attest_mav.evaluation.replay.consistency import Consistency, NisMean, SigmaCount
 from attest_mav.evaluation.replay.engine import Replay
-from attest_mav.evaluation.replay.metrics import Spread
+from attest_mav.evaluation.replay.metrics import ErrorColumns, Spread
 
 DIGITS: Final = 6
-"""Decimals of a degree, a second or a hertz: more than any of them is good for."""
+"""Decimals of a degree, a second, a hertz or a share: more than any of them is good for."""
 
 
 def as_json(name: str, log_format: str, replay: Replay) -> dict[str, Any]:
@@ -37,7 +38,7 @@ def as_json(name: str, log_format: str, replay: Replay) -> dict[str, Any]:
         "reference": None
         if plan.reference is None
         else {"message": plan.reference, "samples": flight.reference_samples},
-        "filters": [{"name": run.comparison.name, **_errors(run.comparison)} for run in flight.runs],
+        "filters": [_filter(run.comparison) for run in flight.runs],
         "autopilot": None if flight.autopilot is None else {"message": plan.autopilot, **_errors(flight.autopilot)},
         "notes": list(replay.notes),
     }
@@ -53,6 +54,48 @@ def _north(replay: Replay) -> dict[str, Any]:
         "declination_deg": round(declination.degrees, DIGITS),
         "source": declination.source,
     }
+
+
+def _filter(comparison: Comparison) -> dict[str, Any]:
+    """One filter's figures, and what they say of its own sigmas; null for a filter that has none."""
+    has_sigma = comparison.consistency.has_sigma
+    return {
+        "name": comparison.name,
+        **_errors(comparison),
+        "valid": _valid(comparison.errors) if has_sigma and comparison.errors.samples else None,
+        "consistency": _consistency(comparison.consistency) if has_sigma else None,
+    }
+
+
+def _valid(errors: ErrorColumns) -> dict[str, Any]:
+    """How often the filter was sure of its tilt (``metrics.SURE``), and how right it then was."""
+    return {"share": round(errors.sure_samples / errors.samples, DIGITS), "tilt_deg": _spread(errors.sure_tilt())}
+
+
+def _consistency(consistency: Consistency) -> dict[str, Any]:
+    return {
+        "tilt": _sigma_shares(consistency.tilt),
+        "heading": _sigma_shares(consistency.heading),
+        "nis": {"velocity": _nis(consistency.velocity), "magnetometer": _nis(consistency.magnetometer)},
+    }
+
+
+def _sigma_shares(count: SigmaCount) -> dict[str, float] | None:
+    """Shares of errors within 1, 2 and 3 sigma, and the rms of error / sigma; None without errors."""
+    if not count.samples:
+        return None
+    one, two, three = count.within
+    return {
+        "within_1": round(one, DIGITS),
+        "within_2": round(two, DIGITS),
+        "within_3": round(three, DIGITS),
+        "rms": round(count.rms, DIGITS),
+    }
+
+
+def _nis(nis: NisMean) -> dict[str, Any] | None:
+    """Mean normalised innovation squared and of how many; None where there were none."""
+    return {"mean": round(nis.mean, DIGITS), "n": nis.count} if nis.count else None
 
 
 def _errors(comparison: Comparison) -> dict[str, Any]:

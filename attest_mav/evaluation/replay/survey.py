@@ -7,7 +7,7 @@ from attest_mav.mavlink.decoding import Decoder
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.frame import Frame
 from attest_mav.mavlink.units import INVALID
-from attest_mav.types import HeartbeatSample, PositionSample
+from attest_mav.types import HeartbeatSample, PositionSample, VelocitySample
 
 IMU_MESSAGES: Final = ("RAW_IMU", "SCALED_IMU", "HIGHRES_IMU", "SCALED_IMU2", "SCALED_IMU3")
 """What a filter can run on."""
@@ -23,30 +23,39 @@ class Survey:
     """Counts and first finds of a whole log.
 
     census: its counts and counters. heartbeats: the first one of each sender that flies something. positions: the
-    first good one of each system.
+    first good one of each system. velocities: the systems with a velocity from GPS_RAW_INT.
     """
 
     def __init__(self, dialect: Dialect) -> None:
         self._heartbeat_id: Final = dialect.id_of("HEARTBEAT")
         self._gps_id: Final = dialect.id_of("GPS_RAW_INT")
-        self.census: Final = Census(dialect, frozenset({self._heartbeat_id, self._gps_id}))
+        # Without it a receiver's UNIX time means nothing.
+        self._clock_id: Final = dialect.id_of("SYSTEM_TIME")
+        self.census: Final = Census(dialect, frozenset({self._heartbeat_id, self._gps_id, self._clock_id}))
         self.heartbeats: Final[dict[Sender, Frame]] = {}
         self.positions: Final[dict[int, PositionSample]] = {}
+        self.velocities: Final[set[int]] = set()
         self._dialect: Final = dialect
         self._decoder: Final = Decoder(dialect)
 
     def take(self, frames: list[Frame]) -> None:
         """Take the next frames that the census gives."""
         for frame in frames:
-            if frame.message_id == self._gps_id and frame.system not in self.positions:
-                self._take_position(frame)
+            if frame.message_id == self._clock_id:
+                self._decoder.decode(frame)
+            elif frame.message_id == self._gps_id:
+                self._take_fix(frame)
             elif frame.message_id == self._heartbeat_id and (frame.system, frame.component) not in self.heartbeats:
                 self._take_heartbeat(frame)
 
-    def _take_position(self, frame: Frame) -> None:
+    def _take_fix(self, frame: Frame) -> None:
+        if frame.system in self.positions and frame.system in self.velocities:
+            return
         for sample in self._decoder.decode(frame):
             if isinstance(sample, PositionSample):
-                self.positions[frame.system] = sample
+                self.positions.setdefault(frame.system, sample)
+            elif isinstance(sample, VelocitySample):
+                self.velocities.add(frame.system)
 
     def _take_heartbeat(self, frame: Frame) -> None:
         for sample in self._decoder.decode(frame):

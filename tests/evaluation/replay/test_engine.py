@@ -279,3 +279,48 @@ def test_imu_messages_before_the_first_heartbeat_are_understood(log):
         log.imu(t_ms)
     log.heartbeat(2000)
     assert report(log)["imu"]["samples"] == 50
+
+
+def chosen(data, dialect):
+    """Name of the filter that a log gets when nobody names one, and the notes about it."""
+    result = as_json("log", "tlog", replay(data, dialect, Request(window=ALL), Outputs()))
+    (one,) = result["filters"]
+    return one["name"], [note for note in result["notes"] if "velocity" in note]
+
+
+def test_a_log_with_a_velocity_gets_the_flight_filter(data_cut, dialect):
+    assert chosen(data_cut, dialect) == ("velocity-aided", [])
+
+
+def test_a_log_without_gets_the_hardiest_and_a_reason(data_cut, dialect, without):
+    name, (note,) = chosen(without(data_cut, dialect.id_of("GPS_RAW_INT")), dialect)
+    assert name == "gradient-descent"
+    assert note == (
+        "no velocity in the log: it has no GPS_RAW_INT; so gradient-descent was chosen, and not velocity-aided"
+    )
+
+
+def test_a_receiver_without_a_fix_is_no_velocity(log):
+    log.heartbeat()
+    for k in range(3):
+        log.add("GPS_RAW_INT", k, {"fix_type": 1, "vel": 100, "cog": 0})
+    log.still_flight(2.0)
+    name, (note,) = chosen(log.data, log.dialect)
+    assert name == "gradient-descent"
+    assert "none of 3 GPS_RAW_INT has a 3-D fix with one" in note
+
+
+def test_a_velocity_of_another_vehicle_is_none_of_this_one(log):
+    log.heartbeat()
+    log.add("GPS_RAW_INT", 0, {"fix_type": 3, "vel": 100, "cog": 0}, sender=(7, 1))
+    log.still_flight(2.0)
+    assert chosen(log.data, log.dialect)[0] == "gradient-descent"
+
+
+def test_a_filter_that_is_named_is_taken_whatever_the_log_has(log):
+    log.heartbeat()
+    log.place()
+    log.still_flight(2.0)
+    result = report(log)
+    assert [one["name"] for one in result["filters"]] == ["gradient-descent"]
+    assert not any("velocity" in note for note in result["notes"])

@@ -1,5 +1,7 @@
 from collections import Counter
 
+import pytest
+
 from attest_mav.evaluation.replay.survey import Survey
 from attest_mav.logs.tlog import TlogReader, read_windows
 from attest_mav.mavlink.census import EVERY, FIRST
@@ -45,6 +47,43 @@ def test_only_what_flies_is_an_autopilot(log):
     assert list(survey.heartbeats) == [(3, 1)]
     assert survey.autopilot((3, 1)) == 12
     assert survey.autopilot((255, 190)) is None
+
+
+FIX = {"fix_type": 3, "lat": 480_000_000, "lon": 110_000_000, "vel": 500, "cog": 9000}
+
+
+@pytest.mark.parametrize(
+    ("fields", "found"),
+    [
+        ({}, {1}),
+        ({"fix_type": 2}, set()),
+        ({"vel": 65535}, set()),
+        ({"cog": 65535}, set()),
+        ({"vel": 0, "cog": 65535}, {1}),  # a vehicle that stands has no course, but a velocity
+    ],
+)
+def test_a_velocity_needs_a_fix_a_speed_and_a_course(log, fields, found):
+    log.add("GPS_RAW_INT", 0, FIX | fields)
+    survey, _ = survey_of(log.data, log.dialect)
+    assert survey.velocities == found
+
+
+def test_a_velocity_may_come_after_the_position(log):
+    log.add("GPS_RAW_INT", 0, FIX | {"vel": 65535})
+    log.add("GPS_RAW_INT", 1, FIX)
+    survey, _ = survey_of(log.data, log.dialect)
+    assert survey.velocities == {1}
+
+
+def test_fixes_in_unix_time_count_once_the_vehicle_has_told_when_it_booted(log):
+    unix_us = 1_780_000_000_000_000
+    log.add("GPS_RAW_INT", 0, FIX | {"time_usec": unix_us})
+    survey, _ = survey_of(log.data, log.dialect)
+    assert (survey.velocities, survey.positions) == (set(), {})
+    log.add("SYSTEM_TIME", 1, {"time_unix_usec": unix_us, "time_boot_ms": 5000})
+    log.add("GPS_RAW_INT", 2, FIX | {"time_usec": unix_us + 1})
+    survey, _ = survey_of(log.data, log.dialect)
+    assert (survey.velocities, survey.positions.keys()) == ({1}, {1})
 
 
 def test_the_first_position_with_a_fix_is_kept(log):
