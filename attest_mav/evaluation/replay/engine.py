@@ -14,6 +14,7 @@ from typing import Final
 from attest_mav.errors import UnreadableDataError
 from attest_mav.evaluation.field_model import Declination, declination_at
 from attest_mav.evaluation.replay.comparison import RowSink
+from attest_mav.evaluation.replay.facts import fact_notes, facts_of
 from attest_mav.evaluation.replay.flight import Flight, Window
 from attest_mav.evaluation.replay.plan import Plan, make_plan
 from attest_mav.evaluation.replay.survey import Survey
@@ -89,11 +90,15 @@ def replay(buffer: mmap | bytes, dialect: Dialect, request: Request, outputs: Ou
         outputs.rows,
         weaver,
     )
+    told = survey.told(plan.sender)
+    for run in flight.runs:
+        run.pipeline.inform(facts_of(told))
     decoder = _taught_decoder(dialect, survey, plan)
     _fly(buffer, decoder, flight, TlogReader(buffer, dialect, _wanted(dialect, plan)), outputs.progress)
     if not flight.imu.samples:
         raise UnreadableDataError(f"no usable {plan.imu}: {_lack(survey, plan, decoder)}")
-    return Replay(survey, plan, declination, flight, _notes(survey, plan, decoder, flight))
+    notes = (*_notes(survey, plan, decoder, flight), *fact_notes(told, request.filters))
+    return Replay(survey, plan, declination, flight, notes)
 
 
 def _survey(buffer: mmap | bytes, dialect: Dialect, progress: Callable[[float], None] | None) -> Survey:

@@ -7,7 +7,7 @@ from attest_mav.mavlink.decoding import Decoder
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.frame import Frame
 from attest_mav.mavlink.units import INVALID
-from attest_mav.types import HeartbeatSample, PositionSample
+from attest_mav.types import HeartbeatSample, ParameterSample, PositionSample
 
 IMU_MESSAGES: Final = ("RAW_IMU", "SCALED_IMU", "HIGHRES_IMU", "SCALED_IMU2", "SCALED_IMU3")
 """What a filter can run on."""
@@ -23,15 +23,17 @@ class Survey:
     """Counts and first finds of a whole log.
 
     census: its counts and counters. heartbeats: the first one of each sender that flies something. positions: the
-    first good one of each system.
+    first good one of each system. parameters: of each sender and setting the last one that told it.
     """
 
     def __init__(self, dialect: Dialect) -> None:
         self._heartbeat_id: Final = dialect.id_of("HEARTBEAT")
         self._gps_id: Final = dialect.id_of("GPS_RAW_INT")
-        self.census: Final = Census(dialect, frozenset({self._heartbeat_id, self._gps_id}))
+        self._parameter_id: Final = dialect.id_of("PARAM_VALUE")
+        self.census: Final = Census(dialect, frozenset({self._heartbeat_id, self._gps_id, self._parameter_id}))
         self.heartbeats: Final[dict[Sender, Frame]] = {}
         self.positions: Final[dict[int, PositionSample]] = {}
+        self.parameters: Final[dict[Sender, dict[int, ParameterSample]]] = {}
         self._dialect: Final = dialect
         self._decoder: Final = Decoder(dialect)
 
@@ -42,6 +44,8 @@ class Survey:
                 self._take_position(frame)
             elif frame.message_id == self._heartbeat_id and (frame.system, frame.component) not in self.heartbeats:
                 self._take_heartbeat(frame)
+            elif frame.message_id == self._parameter_id:
+                self._take_parameter(frame)
 
     def _take_position(self, frame: Frame) -> None:
         for sample in self._decoder.decode(frame):
@@ -53,6 +57,11 @@ class Survey:
             if isinstance(sample, HeartbeatSample) and sample.autopilot != INVALID:
                 self.heartbeats[frame.system, frame.component] = frame
 
+    def _take_parameter(self, frame: Frame) -> None:
+        for sample in self._decoder.decode(frame):
+            if isinstance(sample, ParameterSample):
+                self.parameters.setdefault((frame.system, frame.component), {})[sample.setting] = sample
+
     @property
     def duration_s(self) -> float:
         """Time between the arrivals of the first and the last message, s."""
@@ -61,6 +70,10 @@ class Survey:
     def autopilot(self, sender: Sender) -> int | None:
         """The sender's MAV_AUTOPILOT; None when no heartbeat tells."""
         return self._decoder.autopilots.get(sender[0])
+
+    def told(self, sender: Sender) -> list[ParameterSample]:
+        """The parameters by which the sender told a setting."""
+        return list(self.parameters.get(sender, {}).values())
 
     def senders(self) -> list[Sender]:
         """Everyone who sent something."""
