@@ -49,12 +49,13 @@ class Pipeline:
         is in the events of ``handle``, and not here."""
         self.verdict: Verdict | None = None
         """The newest verdict."""
+        self.facts = VehicleFacts()
+        """What the filters know of the vehicle's settings, unless they go their own way; see ``inform``."""
         self._settings = settings
         self._filters = list(filters)
         self._sources = list(sources)
         self._judge = Judge(settings.verdict)
         self._declination = nan
-        self._facts = VehicleFacts()
         self._newest: dict[str, Sample] = {}
         self._attitude_source = ""
         self._attitude_rx_ns = -1
@@ -72,7 +73,7 @@ class Pipeline:
 
     def inform(self, facts: VehicleFacts) -> None:
         """From now on these are the vehicle's settings, and all others what each filter assumes."""
-        self._facts = facts
+        self.facts = facts
         for lane in self.lanes.values():
             lane.inform(facts)
 
@@ -83,7 +84,7 @@ class Pipeline:
         if isinstance(sample, AttitudeSample):
             return self._handle_attitude(sample)
         if isinstance(sample, ParameterSample):
-            self.inform(self._facts.told(sample.setting, sample.value))
+            self.inform(self.facts.told(sample.setting, sample.value))
             return []
         # One GPS_RAW_INT gives a velocity and a position.
         self._newest[type(sample).__name__ + sample.source] = sample
@@ -127,7 +128,7 @@ class Pipeline:
         if lane is None:
             lane = Lane(source, self._filters, self._settings.aids)
             lane.aiding.declination = self._declination
-            lane.inform(self._facts)
+            lane.inform(self.facts)
             for known in self._newest.values():
                 lane.aiding.take(known)
             self.lanes[source] = lane

@@ -111,7 +111,6 @@ ARDUPILOT: Final = Personality(
     ),
     parameters=(
         Parameter("INS_GYRO_FILTER", ARDUPILOT_LOWPASS_HZ, PARAM_INT16),
-        Parameter("INS_ACCEL_FILTER", ARDUPILOT_LOWPASS_HZ, PARAM_INT16),
         Parameter("GPS1_DELAY_MS", 1e3 * GPS_DELAY_S, PARAM_INT16),
     ),
 )
