@@ -3,13 +3,15 @@
 ArduPilot sends every parameter as a float. PX4 sends an integer one bit by bit in the place of the float.
 
 PX4's IMU_GYRO_CUTOFF is left out: by PX4's own words it affects what goes to its controllers, not to its estimators,
-and the inertial messages carry what goes to the estimators.
+and the inertial messages carry what goes to the estimators: means over some milliseconds, with no low-pass to be made
+good.
 """
 
 from dataclasses import dataclass
 from math import nan
 from typing import Final
 
+from attest_mav.filters.base import VehicleFacts
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.frame import Frame
 from attest_mav.mavlink.readers import Reader
@@ -51,6 +53,11 @@ PARAMETERS: Final = (
     Parameter("SENS_GPS0_DELAY", PX4, Setting.FIX_DELAY_S, 1e-3, 0.0, 1000.0),
 )
 """ArduPilot 4.6 gave GPS_DELAY_MS its new name; of PX4's two the second is the newer."""
+
+
+def facts_of_firmware(autopilot: int) -> VehicleFacts:
+    """What is known of every vehicle with this MAV_AUTOPILOT before it tells anything."""
+    return VehicleFacts(low_pass_hz=0.0) if autopilot == PX4 else VehicleFacts()
 
 
 def names_of(setting: Setting, autopilot: int) -> list[str]:

@@ -16,6 +16,7 @@ from attest_mav.mavlink.companion import ACTIVE, BOOT, CALIBRATING, CRITICAL, Co
 from attest_mav.mavlink.decoding import Decoder, of_message
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.framing import Framer
+from attest_mav.mavlink.parameters import facts_of_firmware
 from attest_mav.mavlink.port import PortSettings
 from attest_mav.mavlink.vehicle_data import POSITION_MESSAGES, DataSettings
 from attest_mav.runtime.status import verdict_text
@@ -143,7 +144,7 @@ class Service:
         self._sender = self.companion.sender
         self.decoder = Decoder(self._dialect, self.config.raw_imu.scales())
         self.pipeline = None
-        self._facts = VehicleFacts()
+        self._facts = facts_of_firmware(self._sender[2])
         self._agreement = None
         self.companion.tell_verdict(nan, nan, nan)
 

@@ -230,6 +230,18 @@ def test_the_settings_are_asked_again_after_a_reboot_and_hold_until_then(flight,
     ]
 
 
+def test_px4s_inertial_messages_have_passed_no_low_pass(flight):
+    worst_tilt = {}
+    for key in ("low_pass_hz = 'auto'", "low_pass_hz = 20"):
+        highres = "[streams]\nimu_messages = ['HIGHRES_IMU']"
+        f = flight(f"{highres}\n{VELOCITY_AIDED}\n[filter.velocity-aided]\n{key}", sim("tumbling", personality="px4"))
+        f.run_until(25.0)
+        assert low_pass_hz(f) == 0.0
+        worst_tilt[key] = f.errors_deg(15.0)[0]
+    assert worst_tilt["low_pass_hz = 'auto'"] < 0.5
+    assert worst_tilt["low_pass_hz = 20"] > 0.8, "making good a delay that was not there costs a degree"
+
+
 def test_settings_of_other_components_and_vehicles_are_not_taken(flight):
     f = flight(VELOCITY_AIDED)
     f.run_until(3.0)

@@ -92,7 +92,7 @@ def replay(buffer: mmap | bytes, dialect: Dialect, request: Request, outputs: Ou
     )
     told = survey.told(plan.sender)
     for run in flight.runs:
-        run.pipeline.inform(facts_of(told))
+        run.pipeline.inform(facts_of(survey.autopilot(plan.sender), told))
     decoder = _taught_decoder(dialect, survey, plan)
     _fly(buffer, decoder, flight, TlogReader(buffer, dialect, _wanted(dialect, plan)), outputs.progress)
     if not flight.imu.samples:

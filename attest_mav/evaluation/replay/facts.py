@@ -1,16 +1,17 @@
-"""What a log tells of the vehicle's settings: a ground station records the parameters that it downloads."""
+"""What a log tells of the vehicle's settings: by the firmware, and by parameters that a ground station downloaded."""
 
 from collections.abc import Iterable
 from math import isfinite
 
 from attest_mav.filters.base import AttitudeFilter, VehicleFacts
-from attest_mav.mavlink.parameters import quantity, with_unit
+from attest_mav.mavlink.parameters import facts_of_firmware, quantity, with_unit
+from attest_mav.mavlink.units import INVALID
 from attest_mav.types import ParameterSample
 
 
-def facts_of(told: Iterable[ParameterSample]) -> VehicleFacts:
-    """The facts in these parameters of one vehicle."""
-    facts = VehicleFacts()
+def facts_of(autopilot: int | None, told: Iterable[ParameterSample]) -> VehicleFacts:
+    """The facts of one vehicle: its MAV_AUTOPILOT, None where no heartbeat tells, and its parameters."""
+    facts = facts_of_firmware(INVALID if autopilot is None else autopilot)
     for sample in told:
         facts = facts.told(sample.setting, sample.value)
     return facts

@@ -5,6 +5,7 @@ from math import nan
 import pytest
 
 from attest_mav.evaluation.replay.engine import Request, replay
+from attest_mav.evaluation.replay.facts import facts_of
 from attest_mav.evaluation.replay.flight import Window
 from attest_mav.evaluation.replay.report import as_json
 from attest_mav.evaluation.replay.survey import Survey
@@ -125,6 +126,12 @@ def test_a_value_that_cannot_be_meant_is_not_taken(log):
     for value in (nan, -5.0, 1e9):
         tell(log, b"INS_GYRO_FILTER", value)
     assert report(log, VelocityAided())[1] == []
+
+
+@pytest.mark.parametrize(("autopilot", "hz"), [(12, 0.0), (3, nan), (None, nan)])
+def test_the_firmware_tells_too(autopilot, hz):
+    facts = facts_of(autopilot, [])
+    assert repr((facts.low_pass_hz, facts.fix_delay_s)) == repr((hz, nan))
 
 
 def test_the_informed_filter_shows_a_turn_earlier_or_later(log):
