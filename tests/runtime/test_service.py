@@ -257,7 +257,7 @@ def test_what_is_configured_is_not_asked_for(flight):
 
 
 def test_a_filter_that_has_no_use_for_the_settings_asks_for_none(flight):
-    f = flight()
+    f = flight("[filter]\nname = 'gradient-descent'")
     f.run_until(3.0)
     assert f.of_type("PARAM_REQUEST_READ") == []
 
