@@ -63,8 +63,9 @@ class Census(Recording):
         data = self._data
         payload = at + header_at(data, at)
         begin = payload + self._name_at
-        name = data[begin : min(begin + NAME_BYTES, payload + data[at + 1])]
-        return name.split(b"\0", 1)[0] in self._names
+        end = min(begin + NAME_BYTES, payload + data[at + 1])
+        # Compiled, a slice that ends before it begins is an error: MAVLink 2 cuts off a name of zeros.
+        return end > begin and data[begin:end].split(b"\0", 1)[0] in self._names
 
 
 def census_key(system: i64, component: i64, message_id: i64) -> int:
