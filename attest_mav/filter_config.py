@@ -97,16 +97,26 @@ class LevelingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
 
 
 class VelocityAidedConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """What ``VelocityAided`` must know of the vehicle; its noises fit every vehicle and rate (``FlightParameters``)."""
+    """What ``VelocityAided`` must know of the vehicle; its noises fit every vehicle and rate (``FlightParameters``).
 
-    low_pass_hz: Annotated[float, Meta(ge=0.0, le=1000.0)] = _FLIGHT.low_pass_hz
-    fix_delay_s: Annotated[float, Meta(ge=0.0, le=1.0)] = _FLIGHT.fix_delay_s
+    ``auto`` is what the autopilot tells, and the filter's default until it does; a number is never overruled.
+    """
+
+    low_pass_hz: Literal["auto"] | Annotated[float, Meta(ge=0.0, le=1000.0)] = "auto"  # noqa: S105  # no password
+    fix_delay_s: Literal["auto"] | Annotated[float, Meta(ge=0.0, le=1.0)] = "auto"
     mag_delay_s: Annotated[float, Meta(ge=0.0, le=1.0)] = _FLIGHT.mag_delay_s
     accel_bias_sigma: Annotated[float, Meta(ge=0.0, le=1.0)] = _FLIGHT.accel_bias_sigma
 
     def build(self) -> AttitudeFilter:
         """The filter with these parameters."""
-        return VelocityAided(FlightParameters(**msgspec.structs.asdict(self)))
+        low_pass, fix_delay = self.low_pass_hz, self.fix_delay_s
+        parameters = FlightParameters(
+            low_pass_hz=_FLIGHT.low_pass_hz if isinstance(low_pass, str) else low_pass,
+            fix_delay_s=_FLIGHT.fix_delay_s if isinstance(fix_delay, str) else fix_delay,
+            mag_delay_s=self.mag_delay_s,
+            accel_bias_sigma=self.accel_bias_sigma,
+        )
+        return VelocityAided(parameters, isinstance(low_pass, str), isinstance(fix_delay, str))
 
 
 class FilterConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

@@ -48,6 +48,15 @@ class North(IntEnum):
     TRUE = 2
 
 
+class Setting(IntEnum):
+    """A setting of the vehicle that a filter makes use of and the autopilot can tell."""
+
+    LOW_PASS_HZ = 0
+    """Corner of the low-pass that gyro and accelerometer have passed, Hz; 0 for none."""
+    FIX_DELAY_S = 1
+    """Age of the receiver's velocity at the time that GPS_RAW_INT names, s."""
+
+
 class Sample:
     """Base of everything a decoder makes out of one message.
 
@@ -199,6 +208,21 @@ class ClockSample(Sample):
     def __init__(self, source: str, system: int, component: int, t_ns: int, rx_ns: int, unix_us: int) -> None:
         super().__init__(source, system, component, t_ns, rx_ns)
         self.unix_us: Final = unix_us
+
+
+class ParameterSample(Sample):
+    """PARAM_VALUE of a parameter that tells a setting. ``name`` is the autopilot's; PARAM_VALUE carries no time.
+
+    value: in the unit of the setting, NaN where the autopilot leaves the setting to a default that it does not tell.
+    """
+
+    def __init__(
+        self, source: str, system: int, component: int, rx_ns: int, name: str, setting: Setting, value: float
+    ) -> None:
+        super().__init__(source, system, component, NO_TIME, rx_ns)
+        self.name: Final = name
+        self.setting: Final = setting
+        self.value: Final = value
 
 
 class Estimate:

@@ -1,6 +1,6 @@
 import dataclasses
 import tomllib
-from math import radians
+from math import nan, radians
 from pathlib import Path
 
 import msgspec
@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from attest_mav.config import Config, LinkConfig, parse_config
 from attest_mav.config_text import to_toml
 from attest_mav.errors import ConfigError
+from attest_mav.filters.base import VehicleFacts
 from attest_mav.filters.gradient_descent import GradientDescent
 from attest_mav.filters.registry import default_filter, filter_names
 
@@ -183,6 +184,29 @@ def test_what_the_flight_filter_must_know_reaches_it(key):
     parameters = parse_config(text, "x").filter.build().parameters
     assert getattr(parameters, key) == 0.03125
     assert parameters == dataclasses.replace(default_filter("velocity-aided").parameters, **{key: 0.03125})
+
+
+@pytest.mark.parametrize(
+    ("lines", "asked_for"),
+    [
+        ("", VehicleFacts(20.0, 0.1)),
+        ("low_pass_hz = 'auto'\nfix_delay_s = 'auto'", VehicleFacts(20.0, 0.1)),
+        ("low_pass_hz = 33", VehicleFacts(nan, 0.1)),
+        ("fix_delay_s = 0", VehicleFacts(20.0, nan)),
+    ],
+)
+def test_a_number_is_not_asked_of_the_autopilot_and_holds_against_it(lines, asked_for):
+    built = parse_config(f"[filter]\nname = 'velocity-aided'\n[filter.velocity-aided]\n{lines}", "x").filter.build()
+    assert repr(built.assumed) == repr(asked_for)  # NaN equals nothing, but is written like itself
+    told = built.informed(VehicleFacts(77.0, 0.5)).parameters
+    assert told.low_pass_hz == (33.0 if "33" in lines else 77.0)
+    assert told.fix_delay_s == (0.0 if "= 0" in lines else 0.5)
+
+
+@pytest.mark.parametrize("value", ["'automatic'", "-1", "1001", "true"])
+def test_a_low_pass_that_cannot_be_meant_is_named(value):
+    with pytest.raises(ConfigError, match=r"filter.velocity-aided.low_pass_hz: expected"):
+        parse_config(f"[filter.velocity-aided]\nlow_pass_hz = {value}", "x")
 
 
 def test_angles_are_radians_inside():

@@ -14,7 +14,7 @@ from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind
 from attest_mav.estimation.sensors import FieldMonitor, FreezeDetector, without_field
 from attest_mav.estimation.timebase import StepKind, TimeBase, TimeStep
 from attest_mav.estimation.track import Track, field_heading
-from attest_mav.filters.base import AttitudeFilter, FilterState, Start
+from attest_mav.filters.base import AttitudeFilter, FilterState, Start, VehicleFacts
 from attest_mav.types import ImuSample, North
 
 HEADING_MEMORY_S: Final = 10.0
@@ -62,6 +62,11 @@ class Lane:
         """What the first filter rests on, see ``FilterState.rests_on``; "" before it runs."""
         state = self._tracks[0].state
         return "" if state is None else state.rests_on
+
+    def inform(self, facts: VehicleFacts) -> None:
+        """Tell the filters the vehicle's settings; their states go on."""
+        for track in self._tracks:
+            track.inform(facts)
 
     def handle(self, sample: ImuSample) -> list[Event]:
         """Take the next sample of this source. What aids the filters was given to ``aiding`` before."""

@@ -14,8 +14,8 @@ from attest_mav.estimation.aiding import AidSettings
 from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.lane import Lane
 from attest_mav.estimation.verdict import Judge, VerdictSettings
-from attest_mav.filters.base import AttitudeFilter
-from attest_mav.types import AttitudeSample, Estimate, ImuSample, Sample
+from attest_mav.filters.base import AttitudeFilter, VehicleFacts
+from attest_mav.types import AttitudeSample, Estimate, ImuSample, ParameterSample, Sample
 
 _NS: Final = 1_000_000_000
 
@@ -49,6 +49,8 @@ class Pipeline:
         is in the events of ``handle``, and not here."""
         self.verdict: Verdict | None = None
         """The newest verdict."""
+        self.facts = VehicleFacts()
+        """What the filters know of the vehicle's settings, unless they go their own way; see ``inform``."""
         self._settings = settings
         self._filters = list(filters)
         self._sources = list(sources)
@@ -69,12 +71,21 @@ class Pipeline:
         for lane in self.lanes.values():
             lane.aiding.declination = declination
 
+    def inform(self, facts: VehicleFacts) -> None:
+        """From now on these are the vehicle's settings, and all others what each filter assumes."""
+        self.facts = facts
+        for lane in self.lanes.values():
+            lane.inform(facts)
+
     def handle(self, sample: Sample) -> list[Event]:
         """Take one sample, in order of arrival; what follows from it, in order."""
         if isinstance(sample, ImuSample):
             return self._handle_imu(sample)
         if isinstance(sample, AttitudeSample):
             return self._handle_attitude(sample)
+        if isinstance(sample, ParameterSample):
+            self.inform(self.facts.told(sample.setting, sample.value))
+            return []
         # One GPS_RAW_INT gives a velocity and a position.
         self._newest[type(sample).__name__ + sample.source] = sample
         for lane in self.lanes.values():
@@ -117,6 +128,7 @@ class Pipeline:
         if lane is None:
             lane = Lane(source, self._filters, self._settings.aids)
             lane.aiding.declination = self._declination
+            lane.inform(self.facts)
             for known in self._newest.values():
                 lane.aiding.take(known)
             self.lanes[source] = lane

@@ -4,7 +4,7 @@ from math import atan2, isfinite
 from typing import Final
 
 from attest_mav.algebra import q_continuous, q_heading, q_mul, q_to_euler, rotate, sub
-from attest_mav.filters.base import AttitudeFilter, FilterState, Start
+from attest_mav.filters.base import AttitudeFilter, FilterState, Start, VehicleFacts
 from attest_mav.types import Estimate, ImuSample, North, Quat, Vec3
 
 
@@ -15,11 +15,16 @@ class Track:
     """
 
     def __init__(self, attitude_filter: AttitudeFilter) -> None:
-        self.filter: Final = attitude_filter
+        self.filter = attitude_filter
         self.state: FilterState | None = None
         self.north = North.RELATIVE
         self.output: Quat = (1.0, 0.0, 0.0, 0.0)
         self.aligned = False
+        self._uninformed: Final = attitude_filter
+
+    def inform(self, facts: VehicleFacts) -> None:
+        """Tell the filter the vehicle's settings: those that are not known any more become its own again."""
+        self.filter = self._uninformed.informed(facts)
 
     def begin(self, start: Start, stands: bool) -> None:
         """Start the filter, with what an earlier state still knows.

@@ -5,12 +5,13 @@ one filter. No filter reads a clock: ``dt_s`` is the time since the previous sam
 """
 
 from abc import abstractmethod
+from dataclasses import dataclass
 from math import nan
 from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.types import ImuSample, North, Quat, Vec3, VelocitySample
+from attest_mav.types import ImuSample, North, Quat, Setting, Vec3, VelocitySample
 
 MAX_CORRECTION_DT_S: Final = 0.05
 """A correction after a gap counts for at most this long, s: the reading is one reading however long the gap was."""
@@ -79,6 +80,24 @@ class Aids:
         self.down_speed: Final = down_speed
         self.inclination: Final = inclination
         self.in_place: Final = in_place
+
+
+@dataclass(frozen=True)
+class VehicleFacts:
+    """What is known of the vehicle's settings (``Setting``), each NaN while it is not."""
+
+    low_pass_hz: float = nan
+    fix_delay_s: float = nan
+
+    def of(self, setting: Setting) -> float:
+        """The value of one setting."""
+        return self.low_pass_hz if setting == Setting.LOW_PASS_HZ else self.fix_delay_s
+
+    def told(self, setting: Setting, value: float) -> "VehicleFacts":
+        """The facts with one setting as it was told last; NaN takes back what was told before."""
+        if setting == Setting.LOW_PASS_HZ:
+            return VehicleFacts(value, self.fix_delay_s)
+        return VehicleFacts(self.low_pass_hz, value)
 
 
 @mypyc_attr(acyclic=True)  # floats and flags form no cycles; compiled, a state is made faster without the collector
@@ -152,6 +171,15 @@ class AttitudeFilter:
     def aligns_itself(self) -> bool:
         """True for a filter that takes any sample for a start, and steps of more than a second: it aligns by itself."""
         return False
+
+    @property
+    def assumed(self) -> VehicleFacts:
+        """What it takes the vehicle's settings to be while nobody tells it; NaN where it does not want to be told."""
+        return VehicleFacts()
+
+    def informed(self, facts: VehicleFacts) -> "AttitudeFilter":
+        """The filter with these facts in place of what it assumes; states of the one go on in the other."""
+        return self
 
     @abstractmethod
     def initial(self, start: Start) -> FilterState:

@@ -9,14 +9,14 @@ One filter serves every condition: it changes the rows that correct it, and says
 docs/flight.md has the equations, and what each part is worth.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import asin, isfinite, nan, pi
 from typing import Final, cast
 
 from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import clamp, is_finite, norm, q_continuous, q_exp, q_mul, scale, sub
-from attest_mav.filters.base import Aids, AttitudeFilter, FilterState, Start
+from attest_mav.filters.base import Aids, AttitudeFilter, FilterState, Start, VehicleFacts
 from attest_mav.filters.flight.alignment import Alignment, continued, outcome, started
 from attest_mav.filters.flight.beginning import beginning, redeclined
 from attest_mav.filters.flight.compass import field_of
@@ -123,9 +123,11 @@ def _substitute(aid: Aid) -> str:
 
 @dataclass(frozen=True)
 class VelocityAided(AttitudeFilter):
-    """The filter with its parameters."""
+    """The filter with its parameters. low_pass_open, fix_delay_open: whether the autopilot may tell better ones."""
 
     parameters: FlightParameters = field(default_factory=FlightParameters)
+    low_pass_open: bool = True
+    fix_delay_open: bool = True
 
     @property
     def name(self) -> str:
@@ -136,6 +138,26 @@ class VelocityAided(AttitudeFilter):
     def aligns_itself(self) -> bool:
         """True: it starts in motion too, and after a gap."""
         return True
+
+    @property
+    def assumed(self) -> VehicleFacts:
+        """The parameters that are open."""
+        settings = self.parameters
+        return VehicleFacts(
+            settings.low_pass_hz if self.low_pass_open else nan, settings.fix_delay_s if self.fix_delay_open else nan
+        )
+
+    def informed(self, facts: VehicleFacts) -> "VelocityAided":
+        """The filter with the facts in its open parameters. One that flies estimates the delay from where it is."""
+        settings = self.parameters
+        low_pass = self.low_pass_open and isfinite(facts.low_pass_hz)
+        fix_delay = self.fix_delay_open and isfinite(facts.fix_delay_s)
+        known = replace(
+            settings,
+            low_pass_hz=facts.low_pass_hz if low_pass else settings.low_pass_hz,
+            fix_delay_s=facts.fix_delay_s if fix_delay else settings.fix_delay_s,
+        )
+        return VelocityAided(known, self.low_pass_open, self.fix_delay_open)
 
     def valid(self, state: FilterState) -> bool:
         """True while the tilt is known well enough to judge others by it."""

@@ -16,10 +16,9 @@ from attest_mav.mavlink.framing import Frame
 from attest_mav.mavlink.lock_on import LockOn, Vehicle
 from attest_mav.mavlink.notes import Notebook
 from attest_mav.mavlink.port import TYPE_ONBOARD_CONTROLLER, Port, PortSettings
-from attest_mav.mavlink.stream import Order
 from attest_mav.mavlink.units import INVALID
 from attest_mav.mavlink.vehicle_data import DataSettings, VehicleData
-from attest_mav.types import Estimate
+from attest_mav.types import Estimate, ParameterSample
 
 BOOT: Final = 1
 CALIBRATING: Final = 2
@@ -113,6 +112,10 @@ class Companion:
         """A sample of this inertial message was decoded; True when it is the one in use."""
         return self.data.imu_taken(message, now_ns)
 
+    def parameter_taken(self, sample: ParameterSample) -> None:
+        """A parameter of the vehicle was decoded."""
+        self.data.parameters.told(sample)
+
     def publish(self, estimate: Estimate, now_ns: int) -> None:
         """The newest estimate: sent where and when it is due, and remembered for who asks."""
         self._estimate = estimate
@@ -140,8 +143,11 @@ class Companion:
         self.lock_on.poll(now_ns)
         vehicle = self.lock_on.vehicle
         if vehicle is not None and self.lock_on.present:
+            port = self.ports[vehicle.link]
             for order in self.data.poll(now_ns):
-                self._send_order(order, vehicle)
+                port.order(order, vehicle.system, vehicle.component)
+            for name in self.data.parameters.poll(now_ns):
+                port.put(port.encoder.param_request_read(vehicle.system, vehicle.component, name))
         if now_ns >= self._next_heartbeat_ns:
             self._next_heartbeat_ns = max(self._next_heartbeat_ns + HEARTBEAT_NS, now_ns + HEARTBEAT_NS // 2)
             self._send_heartbeats()
@@ -228,18 +234,6 @@ class Companion:
         for port in self.ports:
             port.rename(self._system)
         self.data.vehicle_found(vehicle.autopilot, now_ns)
-
-    def _send_order(self, order: Order, vehicle: Vehicle) -> None:
-        port = self.ports[vehicle.link]
-        if order.group >= 0:
-            rate = max(1, round(order.hz))
-            port.put(port.encoder.request_data_stream(vehicle.system, vehicle.component, order.group, rate))
-        else:
-            port.put(
-                port.encoder.set_message_interval(
-                    vehicle.system, vehicle.component, order.message_id, order.interval_us, order.confirmation
-                )
-            )
 
     def _send_heartbeats(self) -> None:
         """One heartbeat a link, and the verdict beside it where it is wanted and there is one."""

@@ -11,6 +11,7 @@ from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.frame import Frame
 from attest_mav.mavlink.imu import ImuLane
 from attest_mav.mavlink.imu_reader import ImuReader
+from attest_mav.mavlink.parameters import ParameterReader
 from attest_mav.mavlink.readers import (
     CENTI,
     AttitudeReader,
@@ -63,6 +64,7 @@ class Decoder:
             VelocityReader(dialect, "LOCAL_POSITION_NED", 1.0),
             HudReader(dialect),
             ClockReader(dialect, boot_clock),
+            ParameterReader(dialect),
         ]
         self._readers: Final[dict[int, Reader]] = {dialect.id_of(reader.name): reader for reader in others}
         for imu in self._imu:

@@ -61,6 +61,10 @@ class Layout:
             raise KeyError(f"{self.name} has no field {wanted[0]}, or it is named out of wire order")
         return Picked(self, Struct("".join(parts)))
 
+    def offset(self, name: str) -> int:
+        """Where the field begins in a payload. Raises ValueError for a name that is not there."""
+        return calcsize("<" + "".join(self.codes[: self.fields.index(name)]))
+
     def as_dict(self, payload: bytes) -> dict[str, FieldValue]:
         """All fields by name: arrays as lists, text as bytes up to its first zero."""
         values: dict[str, FieldValue] = {}

@@ -47,6 +47,9 @@ class Encoder:
         self._stream: Final = dialect.layout("REQUEST_DATA_STREAM").pick(
             "req_message_rate", "target_system", "target_component", "req_stream_id", "start_stop"
         )
+        self._parameter: Final = dialect.layout("PARAM_REQUEST_READ").pick(
+            "param_index", "target_system", "target_component", "param_id"
+        )
         self._ack: Final = dialect.layout("COMMAND_ACK").pick("command", "result", "target_system", "target_component")
         self._named: Final = dialect.layout("NAMED_VALUE_FLOAT").pick("time_boot_ms", "value", "name")
         self._text: Final = dialect.layout("STATUSTEXT").pick("severity", "text")
@@ -86,6 +89,11 @@ class Encoder:
         """REQUEST_DATA_STREAM, the older way to ask for a group of messages (MAV_DATA_STREAM)."""
         payload = self._stream.pack(rate_hz, target_system, target_component, stream_id, 1 if start else 0)
         return self.frame(self._stream.layout, payload)
+
+    def param_request_read(self, target_system: int, target_component: int, name: str) -> bytes:
+        """PARAM_REQUEST_READ of the parameter of that name, at most 16 characters."""
+        payload = self._parameter.pack(-1, target_system, target_component, name.encode("ascii"))
+        return self.frame(self._parameter.layout, payload)
 
     def command_ack(self, command: int, result: int, target_system: int, target_component: int) -> bytes:
         """COMMAND_ACK: MAV_CMD, MAV_RESULT, and who had asked."""

@@ -8,6 +8,7 @@ from attest_mav.algebra import is_finite, norm, q_norm
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.encoding import COVARIANCE_UNKNOWN, Encoder
 from attest_mav.mavlink.notes import Notebook
+from attest_mav.mavlink.stream import Order
 from attest_mav.types import Estimate
 
 ATTITUDE_QUATERNION: Final = 31
@@ -99,6 +100,16 @@ class Port:
     def put(self, frame: bytes) -> None:
         """Send this frame."""
         self._out.append(frame)
+
+    def order(self, order: Order, system: int, component: int) -> None:
+        """Ask the vehicle with these ids for a message."""
+        if order.group >= 0:
+            frame = self.encoder.request_data_stream(system, component, order.group, max(1, round(order.hz)))
+        else:
+            frame = self.encoder.set_message_interval(
+                system, component, order.message_id, order.interval_us, order.confirmation
+            )
+        self.put(frame)
 
     def rename(self, system: int) -> None:
         """Speak under another system id from now on."""

@@ -1,13 +1,19 @@
-"""What we want from the vehicle: one inertial message, the autopilot's own attitude, and what aids a filter."""
+"""What we want from the vehicle: one inertial message, the autopilot's own attitude, and what aids a filter.
 
-from dataclasses import dataclass
+What aids a filter are messages, and settings that are parameters of the autopilot.
+"""
+
+from dataclasses import dataclass, field
 from typing import Final
 
+from attest_mav.filters.base import VehicleFacts
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.imu_choice import ImuChoice, preferred_messages
 from attest_mav.mavlink.notes import Notebook
+from attest_mav.mavlink.parameter_asker import ParameterAsker
 from attest_mav.mavlink.stream import Order, Stream
 from attest_mav.mavlink.stream_keeper import StreamKeeper
+from attest_mav.mavlink.units import INVALID
 
 IMU_MESSAGES: Final = ("RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "SCALED_IMU3", "HIGHRES_IMU")
 OTHER_MESSAGES: Final = ("ATTITUDE", "ATTITUDE_QUATERNION", "GPS_RAW_INT", "VFR_HUD", "SYSTEM_TIME")
@@ -26,10 +32,11 @@ EXTRA2: Final = 11
 class DataSettings:
     """What is asked for.
 
-    asks: whether streams are asked for at all; restores: whether they are set back to the autopilot's defaults at the
+    asks: whether anything is asked for at all; restores: whether they are set back to the autopilot's defaults at the
     end. imu_messages: in order of preference; empty goes by the autopilot. imu_hz, attitude_hz, aiding_hz: rates of
     the inertial message, of ATTITUDE, and of GPS_RAW_INT and VFR_HUD. positions: which of ``POSITION_MESSAGES`` are
-    wanted besides, at the rate of the aiding ones.
+    wanted besides, at the rate of the aiding ones. assumed: the vehicle's settings, of which those that are not NaN are
+    asked for.
     """
 
     asks: bool = True
@@ -39,6 +46,7 @@ class DataSettings:
     attitude_hz: float = 10.0
     aiding_hz: float = 5.0
     positions: tuple[str, ...] = ()
+    assumed: VehicleFacts = field(default_factory=VehicleFacts)
 
 
 class VehicleData:
@@ -46,16 +54,19 @@ class VehicleData:
 
     def __init__(self, dialect: Dialect, settings: DataSettings, notebook: Notebook) -> None:
         self.keeper: Final = StreamKeeper(settings.asks, notebook)
+        self.parameters: Final = ParameterAsker(settings.asks, settings.assumed, notebook)
         self._dialect: Final = dialect
         self._settings: Final = settings
         self._notebook: Final = notebook
         self._imu_ids: Final = frozenset([dialect.id_of(name) for name in IMU_MESSAGES])
-        self.wanted: Final = self._imu_ids | frozenset(
-            [dialect.id_of(name) for name in OTHER_MESSAGES + settings.positions]
-        )
+        others = [*OTHER_MESSAGES, *settings.positions]
+        if self.parameters.wanted:
+            others.append("PARAM_VALUE")
+        self.wanted: Final = self._imu_ids | frozenset([dialect.id_of(name) for name in others])
         """Ids of all that can be of use."""
         self._choice: ImuChoice | None = None
         self._candidate_id = -1
+        self._autopilot = INVALID
 
     @property
     def imu(self) -> Stream | None:
@@ -70,6 +81,7 @@ class VehicleData:
         if self._choice is None:
             messages = list(self._settings.imu_messages) or preferred_messages(autopilot)
             self._choice = ImuChoice(messages, now_ns)
+        self._autopilot = autopilot
         self.begin(now_ns)
 
     def forget(self) -> None:
@@ -77,6 +89,7 @@ class VehicleData:
         self._choice = None
         self._candidate_id = -1
         self.keeper.forget()
+        self.parameters.forget()
 
     def begin(self, now_ns: int) -> None:
         """Ask for everything from the beginning."""
@@ -92,6 +105,7 @@ class VehicleData:
         ]
         streams += [self._stream(name, settings.aiding_hz, POSITION) for name in settings.positions]
         self.keeper.begin(streams, now_ns)
+        self.parameters.begin(self._autopilot, now_ns)
 
     def arrived(self, message_id: int) -> bool:
         """Count a message of the vehicle; True when it is worth decoding."""
@@ -109,12 +123,10 @@ class VehicleData:
 
     @property
     def next_deadline_ns(self) -> int | None:
-        """When ``poll`` is due: 0 is at once, None never."""
-        keeper_ns = self.keeper.next_deadline_ns
-        if self._choice is None:
-            return keeper_ns
-        choice_ns = self._choice.next_deadline_ns
-        return choice_ns if keeper_ns is None else min(choice_ns, keeper_ns)
+        """When ``poll``, here or of the parameters, is due: 0 is at once, None never."""
+        choice_ns = None if self._choice is None else self._choice.next_deadline_ns
+        deadlines = [choice_ns, self.keeper.next_deadline_ns, self.parameters.next_deadline_ns]
+        return min([due_ns for due_ns in deadlines if due_ns is not None], default=None)
 
     def _choose_imu(self, now_ns: int) -> None:
         """Go on to the next inertial message when this one is refused, does not come, or has stopped."""

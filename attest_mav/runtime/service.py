@@ -11,14 +11,16 @@ from math import isfinite, nan, radians
 from attest_mav.config import Config, LinkConfig
 from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.pipeline import Pipeline
+from attest_mav.filters.base import VehicleFacts
 from attest_mav.mavlink.companion import ACTIVE, BOOT, CALIBRATING, CRITICAL, Companion, CompanionSettings
 from attest_mav.mavlink.decoding import Decoder, of_message
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.framing import Framer
+from attest_mav.mavlink.parameters import facts_of_firmware
 from attest_mav.mavlink.port import PortSettings
 from attest_mav.mavlink.vehicle_data import POSITION_MESSAGES, DataSettings
 from attest_mav.runtime.status import verdict_text
-from attest_mav.types import Estimate, ImuSample, PositionSample, Sample
+from attest_mav.types import Estimate, ImuSample, ParameterSample, PositionSample, Sample
 
 log = logging.getLogger("attest_mav.service")
 
@@ -56,6 +58,7 @@ class Service:
         self._declination_place = (0.0, 0.0)
         self._sample_ns = now_ns - 10 * self._stale_ns
         self._sender = self.companion.sender
+        self._facts = VehicleFacts()
         self._told: dict[str, str] = {}
         self._agreement: Agreement | None = None
         self._next_report_ns = now_ns + REPORT_NS
@@ -129,6 +132,10 @@ class Service:
                 self._begin_pipeline(sample.source)
         elif isinstance(sample, PositionSample):
             self._refer_to_true_north(sample)
+        elif isinstance(sample, ParameterSample):
+            self._facts = self._facts.told(sample.setting, sample.value)
+            self.companion.parameter_taken(sample)
+            self.due_ns = now_ns  # there may be a note of it
         if self.pipeline is not None:
             self._act(self.pipeline.handle(sample), now_ns)
 
@@ -137,12 +144,14 @@ class Service:
         self._sender = self.companion.sender
         self.decoder = Decoder(self._dialect, self.config.raw_imu.scales())
         self.pipeline = None
+        self._facts = facts_of_firmware(self._sender[2])
         self._agreement = None
         self.companion.tell_verdict(nan, nan, nan)
 
     def _begin_pipeline(self, source: str) -> None:
         config = self.config
         self.pipeline = Pipeline(config.pipeline_settings(), [config.filter.build()], [source])
+        self.pipeline.inform(self._facts)
         if self._declination_deg is not None:
             self.pipeline.set_declination(radians(self._declination_deg))
         note = self.decoder.notes.get(source, "")
@@ -230,6 +239,7 @@ def companion_settings(config: Config) -> CompanionSettings:
         attitude_hz=streams.attitude_hz,
         aiding_hz=streams.aiding_hz,
         positions=tuple(name for name in POSITION_MESSAGES if name in used),
+        assumed=config.filter.build().assumed,
     )
     output = config.output
     return CompanionSettings(config.vehicle.system_id, output.system_id, output.component_id, output.rate_hz, data)

@@ -2,7 +2,8 @@
 
 SET_MESSAGE_INTERVAL and REQUEST_MESSAGE are acknowledged, every other command is UNSUPPORTED; REQUEST_DATA_STREAM is
 a message without acknowledgement (PX4 ignores it). TIMESYNC requests are answered with the time of arrival, to all, as
-ArduPilot does. What is addressed to somebody else, or claims to come from the autopilot itself, is dropped.
+ArduPilot does. PARAM_REQUEST_READ is answered for the parameters that there are, and for others not at all, as both
+firmwares do. What is addressed to somebody else, or claims to come from the autopilot itself, is dropped.
 """
 
 from math import isfinite
@@ -16,7 +17,8 @@ from attest_mav.sim.streams import Streams
 COMMAND_LONG: Final = "COMMAND_LONG"
 REQUEST_DATA_STREAM: Final = "REQUEST_DATA_STREAM"
 TIMESYNC: Final = "TIMESYNC"
-UNDERSTOOD: Final = (COMMAND_LONG, REQUEST_DATA_STREAM, TIMESYNC)
+PARAM_REQUEST_READ: Final = "PARAM_REQUEST_READ"
+UNDERSTOOD: Final = (COMMAND_LONG, REQUEST_DATA_STREAM, TIMESYNC, PARAM_REQUEST_READ)
 
 SET_MESSAGE_INTERVAL: Final = 511
 REQUEST_MESSAGE: Final = 512
@@ -40,6 +42,12 @@ class Commands:
             "req_message_rate", "target_system", "target_component", "req_stream_id", "start_stop"
         )
         self.timesync = dialect.layout(TIMESYNC).pick("tc1", "ts1")
+        self.parameter_request = dialect.layout(PARAM_REQUEST_READ).pick(
+            "param_index", "target_system", "target_component", "param_id"
+        )
+        self.parameter = dialect.layout("PARAM_VALUE").pick(
+            "param_value", "param_count", "param_index", "param_id", "param_type"
+        )
         self.ack = dialect.layout("COMMAND_ACK").pick("command", "result", "target_system", "target_component")
 
     def answer(self, frame: Frame, streams: Streams, now_ns: int, boot_ns: int) -> list[Reply]:
@@ -58,7 +66,22 @@ class Commands:
             tc1, ts1 = self.timesync.unpack(frame.payload)
             if tc1 == 0:
                 return [(TIMESYNC, self.timesync.pack(int(frame.rx_ns) - boot_ns, ts1))]
+        if name == PARAM_REQUEST_READ:
+            return self._parameter(frame)
         return []
+
+    def _parameter(self, frame: Frame) -> list[Reply]:
+        """One parameter, by its index or, where that is negative, by its name."""
+        number, system, component, name = self.parameter_request.unpack(frame.payload)
+        if not self._is_ours(system, component):
+            return []
+        wanted = name.split(b"\0", 1)[0]
+        parameters = self.personality.parameters
+        return [
+            ("PARAM_VALUE", self.parameter.pack(one.value, len(parameters), index, one.name.encode(), one.kind))
+            for index, one in enumerate(parameters)
+            if (index == number if number >= 0 else one.name.encode() == wanted)
+        ]
 
     def _is_ours(self, system: int, component: int) -> bool:
         return system in {0, self.system} and component in {0, self.component}

@@ -10,12 +10,16 @@ from dataclasses import dataclass
 from typing import Final
 
 from attest_mav.errors import UsageError
+from attest_mav.sim.sensors import GPS_DELAY_S
 
 # Values of MAVLink's enums; a test compares them with pymavlink's.
 RESULT_ACCEPTED: Final = 0
 RESULT_DENIED: Final = 2
 RESULT_UNSUPPORTED: Final = 3
 RESULT_FAILED: Final = 4
+
+PARAM_INT16: Final = 4
+PARAM_REAL32: Final = 9
 
 GROUP_RAW_SENSORS: Final = 1
 GROUP_EXTENDED_STATUS: Final = 2
@@ -43,6 +47,15 @@ class Stream:
 
 
 @dataclass(frozen=True)
+class Parameter:
+    """A parameter that can be read. ``kind``: MAV_PARAM_TYPE; the value is sent as a float, whatever it is."""
+
+    name: str
+    value: float
+    kind: int
+
+
+@dataclass(frozen=True)
 class Personality:
     """One firmware. ``streams`` are in the order in which it sends what is due at the same time."""
 
@@ -64,14 +77,18 @@ class Personality:
     unknown_message: int
     """MAV_RESULT of REQUEST_MESSAGE for such a message."""
     streams: tuple[Stream, ...]
+    parameters: tuple[Parameter, ...]
+    """Settings that are true of the simulated sensors."""
 
+
+ARDUPILOT_LOWPASS_HZ: Final = 20.0
 
 ARDUPILOT: Final = Personality(
     name="ardupilot",
     autopilot=3,
     copter_loop_hz=400,
     plane_loop_hz=50,
-    lowpass_hz=20.0,
+    lowpass_hz=ARDUPILOT_LOWPASS_HZ,
     mag_period_ns=100_000_000,
     mag_per_mean=10,
     whole_milliseconds=True,
@@ -91,6 +108,10 @@ ARDUPILOT: Final = Personality(
         Stream("GPS_RAW_INT", 4.0, GROUP_EXTENDED_STATUS),
         Stream("SIM_STATE", 4.0, GROUP_EXTRA1, fast=True),
         Stream("SYSTEM_TIME", 4.0, GROUP_EXTRA3),
+    ),
+    parameters=(
+        Parameter("INS_GYRO_FILTER", ARDUPILOT_LOWPASS_HZ, PARAM_INT16),
+        Parameter("GPS1_DELAY_MS", 1e3 * GPS_DELAY_S, PARAM_INT16),
     ),
 )
 
@@ -118,6 +139,7 @@ PX4: Final = Personality(
         Stream("SIM_STATE", 50.0, fast=True),
         Stream("SYSTEM_TIME", 1.0),
     ),
+    parameters=(Parameter("EKF2_GPS_DELAY", 1e3 * GPS_DELAY_S, PARAM_REAL32),),
 )
 
 PERSONALITIES: Final = ("ardupilot", "px4")

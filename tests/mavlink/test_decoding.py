@@ -70,7 +70,7 @@ def test_everything_it_wants_it_understands(dialect):
     assert names == {
         "RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "SCALED_IMU3", "HIGHRES_IMU", "ATTITUDE", "ATTITUDE_QUATERNION",
         "SIM_STATE", "SIMSTATE", "AHRS2", "HEARTBEAT", "SYSTEM_TIME", "GLOBAL_POSITION_INT", "GPS_RAW_INT",
-        "VFR_HUD", "LOCAL_POSITION_NED",
+        "VFR_HUD", "LOCAL_POSITION_NED", "PARAM_VALUE",
     }  # fmt: skip
 
 

@@ -39,6 +39,18 @@ def test_heartbeat(encoder):
     }
 
 
+@pytest.mark.parametrize("name", ["GPS_DELAY_MS", "SIXTEEN_LETTERS_"])
+def test_param_request_read(encoder, name):
+    message = parsed(encoder.param_request_read(9, 1, name))
+    assert message.to_dict() == {
+        "mavpackettype": "PARAM_REQUEST_READ",
+        "target_system": 9,
+        "target_component": 1,
+        "param_id": name,
+        "param_index": -1,
+    }
+
+
 def test_attitude_quaternion(encoder):
     message = parsed(encoder.attitude_quaternion(4_000_000_000, (0.5, -0.5, 0.1, 0.7), (0.1, -0.2, 0.3)))
     assert message.get_type() == "ATTITUDE_QUATERNION"

@@ -193,6 +193,90 @@ def test_a_reboot_realigns_and_asks_again(flight, caplog):
     assert f.errors_deg(11.0)[0] < 1.0
 
 
+@pytest.mark.parametrize(
+    ("personality", "asked", "said"),
+    [
+        (
+            "ardupilot",
+            ["INS_GYRO_FILTER", "GPS1_DELAY_MS"],
+            ["gyro low-pass is 20 Hz (INS_GYRO_FILTER)", "GPS delay is 0.1 s (GPS1_DELAY_MS)"],
+        ),
+        ("px4", ["EKF2_GPS_DELAY"], ["GPS delay is 0.1 s (EKF2_GPS_DELAY)"]),
+    ],
+)
+def test_the_settings_are_read_from_the_autopilot_before_the_first_sample(flight, caplog, personality, asked, said):
+    caplog.set_level("INFO", "attest_mav")
+    f = flight(VELOCITY_AIDED, sim(personality=personality))
+    f.run_until(3.0)
+    assert [one.param_id for one in f.of_type("PARAM_REQUEST_READ")] == asked
+    learned = [record.message for record in caplog.records if record.message.startswith("the autopilot's ")]
+    assert learned == [f"the autopilot's {text}" for text in said]
+
+
+def test_the_settings_are_asked_again_after_a_reboot_and_hold_until_then(flight, caplog):
+    caplog.set_level("INFO", "attest_mav")
+    f = flight(VELOCITY_AIDED, sim(faults=Faults(reboot_at_s=4.0)))
+    f.run_until(3.0)
+    f.service.receive(0, parameter(f, 60.0), f.now_ns)
+    assert low_pass_hz(f) == 60.0
+    f.run_until(3.9)
+    assert low_pass_hz(f) == 60.0
+    f.run_until(9.0)
+    assert [one.param_id for one in f.of_type("PARAM_REQUEST_READ", 4.0)] == ["INS_GYRO_FILTER", "GPS1_DELAY_MS"]
+    assert low_pass_hz(f) == 20.0
+    assert [text for text in caplog.messages if text.startswith("the autopilot's gyro")] == [
+        "the autopilot's gyro low-pass is 20 Hz (INS_GYRO_FILTER)",
+        "the autopilot's gyro low-pass is 60 Hz (INS_GYRO_FILTER)",
+        "the autopilot's gyro low-pass is 20 Hz (INS_GYRO_FILTER)",
+    ]
+
+
+def test_px4s_inertial_messages_have_passed_no_low_pass(flight):
+    worst_tilt = {}
+    for key in ("low_pass_hz = 'auto'", "low_pass_hz = 20"):
+        highres = "[streams]\nimu_messages = ['HIGHRES_IMU']"
+        f = flight(f"{highres}\n{VELOCITY_AIDED}\n[filter.velocity-aided]\n{key}", sim("tumbling", personality="px4"))
+        f.run_until(25.0)
+        assert low_pass_hz(f) == 0.0
+        worst_tilt[key] = f.errors_deg(15.0)[0]
+    assert worst_tilt["low_pass_hz = 'auto'"] < 0.5
+    assert worst_tilt["low_pass_hz = 20"] > 0.8, "making good a delay that was not there costs a degree"
+
+
+def test_settings_of_other_components_and_vehicles_are_not_taken(flight):
+    f = flight(VELOCITY_AIDED)
+    f.run_until(3.0)
+    for sender in ((1, 100), (2, 1), (255, 190), (1, 193)):
+        f.service.receive(0, parameter(f, 60.0, sender), f.now_ns)
+    assert low_pass_hz(f) == 20.0
+
+
+def test_what_is_configured_is_not_asked_for(flight):
+    f = flight(f"{VELOCITY_AIDED}\n[filter.velocity-aided]\nlow_pass_hz = 35")
+    f.run_until(3.0)
+    assert [one.param_id for one in f.of_type("PARAM_REQUEST_READ")] == ["GPS1_DELAY_MS"]
+
+
+def test_a_filter_that_has_no_use_for_the_settings_asks_for_none(flight):
+    f = flight("[filter]\nname = 'gradient-descent'")
+    f.run_until(3.0)
+    assert f.of_type("PARAM_REQUEST_READ") == []
+
+
+VELOCITY_AIDED = "[filter]\nname = 'velocity-aided'"
+
+
+def parameter(f, value, sender=(1, 1)):
+    """A PARAM_VALUE that nobody asked for."""
+    values = {"param_id": b"INS_GYRO_FILTER", "param_value": value, "param_type": 4}
+    return Encoder(f.vehicle.dialect, *sender).message("PARAM_VALUE", values)
+
+
+def low_pass_hz(f):
+    """What the filters have been told."""
+    return f.service.pipeline.facts.low_pass_hz
+
+
 def test_headings_are_true_once_the_position_is_known(flight):
     f = flight("", sim(errors=PERFECT, first_fix_s=4.0))
     f.run_until(12.0)

@@ -225,6 +225,42 @@ def test_px4_ignores_request_data_stream(bench):
     assert len(messages["HIGHRES_IMU"]) == 100
 
 
+def read_parameter(name=b"", index=-1, system=1, component=1):
+    return mavlink.MAVLink_param_request_read_message(system, component, name, index)
+
+
+@pytest.mark.parametrize(
+    ("firmware", "name", "value", "kind"),
+    [
+        ("ardupilot", b"INS_GYRO_FILTER", 20.0, mavlink.MAV_PARAM_TYPE_INT16),
+        ("ardupilot", b"GPS1_DELAY_MS", 100.0, mavlink.MAV_PARAM_TYPE_INT16),
+        ("px4", b"EKF2_GPS_DELAY", 100.0, mavlink.MAV_PARAM_TYPE_REAL32),
+    ],
+)
+def test_parameters_that_are_true_of_the_sensors_can_be_read(bench, firmware, name, value, kind):
+    (told,) = bench(personality=firmware).say(read_parameter(name))["PARAM_VALUE"]
+    assert (told.param_id, told.param_value, told.param_type) == (name.decode(), value, kind)
+    (again,) = bench(personality=firmware).say(read_parameter(index=told.param_index))["PARAM_VALUE"]
+    assert again.param_id == told.param_id
+    assert told.param_index < told.param_count
+
+
+@pytest.mark.parametrize(
+    "request_",
+    [
+        read_parameter(b"GPS_DELAY_MS"),
+        read_parameter(b"INS_GYRO_FILTERS"),
+        read_parameter(b"\xff" * 16),
+        read_parameter(),
+        read_parameter(index=100),
+        read_parameter(b"INS_GYRO_FILTER", system=2),
+        read_parameter(b"INS_GYRO_FILTER", component=100),
+    ],
+)
+def test_other_parameters_and_other_targets_are_not_answered(bench, request_):
+    assert "PARAM_VALUE" not in bench().say(request_)
+
+
 def test_timesync_is_answered_with_the_time_of_arrival_and_without_a_target(bench):
     table = bench()
     table.now += 123_456

@@ -150,7 +150,11 @@ def fly(recording: Recording, samples: Sequence[Sample], one: AttitudeFilter, wi
     declination = recording.declination
     log = ErrorLog()
     flight = Flight(
-        recording.plan, [one], nan if declination is None else radians(declination.degrees), window, rows=log
+        recording.plan,
+        [one.informed(recording.facts)],
+        nan if declination is None else radians(declination.degrees),
+        window,
+        rows=log,
     )
     for sample in samples:
         flight.take(sample, 0)

@@ -14,11 +14,12 @@ from typing import Final
 from attest_mav.errors import UnreadableDataError
 from attest_mav.evaluation.field_model import Declination, declination_at
 from attest_mav.evaluation.replay.comparison import RowSink
+from attest_mav.evaluation.replay.facts import fact_notes, facts_of
 from attest_mav.evaluation.replay.flight import Flight, Window
 from attest_mav.evaluation.replay.plan import Plan, make_plan, suitable_filter
 from attest_mav.evaluation.replay.survey import Survey
 from attest_mav.evaluation.replay.weave import ByteSink, Weaver
-from attest_mav.filters.base import AttitudeFilter
+from attest_mav.filters.base import AttitudeFilter, VehicleFacts
 from attest_mav.logs.detect import EXPECTED
 from attest_mav.logs.tlog import TlogReader, read_windows
 from attest_mav.mavlink.decoding import Decoder, of_message
@@ -86,9 +87,11 @@ def replay(buffer: mmap | bytes, dialect: Dialect, request: Request, outputs: Ou
     weaver = None
     if outputs.woven is not None:
         weaver = Weaver(buffer, outputs.woven, Encoder(dialect, plan.sender[0], OUR_COMPONENT))
+    filters = request.filters or (suitable_filter(survey, plan.sender),)
+    facts = _facts(survey, plan)
     flight = Flight(
         plan,
-        list(request.filters or [suitable_filter(survey, plan.sender)]),
+        [one.informed(facts) for one in filters],
         nan if declination is None else radians(declination.degrees),
         request.window,
         outputs.rows,
@@ -99,18 +102,21 @@ def replay(buffer: mmap | bytes, dialect: Dialect, request: Request, outputs: Ou
     if not flight.imu.samples:
         raise UnreadableDataError(f"no usable {plan.imu}: {_lack(survey, plan, decoder)}")
     notes = [] if request.filters else _choice_notes(survey, plan)
-    return Replay(survey, plan, declination, flight, (*notes, *_notes(survey, plan, decoder, flight)))
+    notes += [*_notes(survey, plan, decoder, flight), *fact_notes(survey.told(plan.sender), filters)]
+    return Replay(survey, plan, declination, flight, tuple(notes))
 
 
 @dataclass(frozen=True)
 class Recording:
     """What ``replay`` takes from a log, decoded once: for many flights over it, or over what was made of it.
 
-    samples: of the plan's vehicle, in order. To be given to a ``Flight`` of the same plan and declination.
+    samples: of the plan's vehicle, in order. To be given to a ``Flight`` of the same plan and declination, with filters
+    that are informed of the facts.
     """
 
     plan: Plan
     declination: Declination | None
+    facts: VehicleFacts
     samples: list[Sample]
 
 
@@ -124,7 +130,7 @@ def record(buffer: mmap | bytes, dialect: Dialect, imu: str | None = None, refer
         for frame in frames:
             if frame.system == plan.sender[0] and frame.component == plan.sender[1]:
                 samples.extend(decoder.decode(frame))
-    return Recording(plan, _declination(survey, plan, None), samples)
+    return Recording(plan, _declination(survey, plan, None), _facts(survey, plan), samples)
 
 
 def _survey(buffer: mmap | bytes, dialect: Dialect, progress: Callable[[float], None] | None) -> Survey:
@@ -154,6 +160,11 @@ def _declination(survey: Survey, plan: Plan, given_deg: float | None) -> Declina
     return declination_at(
         position.latitude_deg, position.longitude_deg, position.altitude_m, unix_s=position.rx_ns * 1e-9
     )
+
+
+def _facts(survey: Survey, plan: Plan) -> VehicleFacts:
+    """What the log tells of the vehicle's settings."""
+    return facts_of(survey.autopilot(plan.sender), survey.told(plan.sender))
 
 
 def _wanted(dialect: Dialect, plan: Plan) -> frozenset[int]:

@@ -7,7 +7,7 @@ from attest_mav.mavlink.decoding import Decoder
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.frame import Frame
 from attest_mav.mavlink.units import INVALID
-from attest_mav.types import HeartbeatSample, PositionSample, VelocitySample
+from attest_mav.types import HeartbeatSample, ParameterSample, PositionSample, VelocitySample
 
 IMU_MESSAGES: Final = ("RAW_IMU", "SCALED_IMU", "HIGHRES_IMU", "SCALED_IMU2", "SCALED_IMU3")
 """What a filter can run on."""
@@ -23,7 +23,8 @@ class Survey:
     """Counts and first finds of a whole log.
 
     census: its counts and counters. heartbeats: the first one of each sender that flies something. positions: the
-    first good one of each system. velocities: the systems with a velocity from GPS_RAW_INT.
+    first good one of each system. velocities: the systems with a velocity from GPS_RAW_INT. parameters: of each sender
+    and setting the last one that told it.
     """
 
     def __init__(self, dialect: Dialect) -> None:
@@ -31,10 +32,13 @@ class Survey:
         self._gps_id: Final = dialect.id_of("GPS_RAW_INT")
         # Without it a receiver's UNIX time means nothing.
         self._clock_id: Final = dialect.id_of("SYSTEM_TIME")
-        self.census: Final = Census(dialect, frozenset({self._heartbeat_id, self._gps_id, self._clock_id}))
+        self._parameter_id: Final = dialect.id_of("PARAM_VALUE")
+        wanted = frozenset({self._heartbeat_id, self._gps_id, self._clock_id, self._parameter_id})
+        self.census: Final = Census(dialect, wanted)
         self.heartbeats: Final[dict[Sender, Frame]] = {}
         self.positions: Final[dict[int, PositionSample]] = {}
         self.velocities: Final[set[int]] = set()
+        self.parameters: Final[dict[Sender, dict[int, ParameterSample]]] = {}
         self._dialect: Final = dialect
         self._decoder: Final = Decoder(dialect)
 
@@ -47,6 +51,8 @@ class Survey:
                 self._take_fix(frame)
             elif frame.message_id == self._heartbeat_id and (frame.system, frame.component) not in self.heartbeats:
                 self._take_heartbeat(frame)
+            elif frame.message_id == self._parameter_id:
+                self._take_parameter(frame)
 
     def _take_fix(self, frame: Frame) -> None:
         if frame.system in self.positions and frame.system in self.velocities:
@@ -62,6 +68,11 @@ class Survey:
             if isinstance(sample, HeartbeatSample) and sample.autopilot != INVALID:
                 self.heartbeats[frame.system, frame.component] = frame
 
+    def _take_parameter(self, frame: Frame) -> None:
+        for sample in self._decoder.decode(frame):
+            if isinstance(sample, ParameterSample):
+                self.parameters.setdefault((frame.system, frame.component), {})[sample.setting] = sample
+
     @property
     def duration_s(self) -> float:
         """Time between the arrivals of the first and the last message, s."""
@@ -70,6 +81,10 @@ class Survey:
     def autopilot(self, sender: Sender) -> int | None:
         """The sender's MAV_AUTOPILOT; None when no heartbeat tells."""
         return self._decoder.autopilots.get(sender[0])
+
+    def told(self, sender: Sender) -> list[ParameterSample]:
+        """The parameters by which the sender told a setting."""
+        return list(self.parameters.get(sender, {}).values())
 
     def senders(self) -> list[Sender]:
         """Everyone who sent something."""
