@@ -50,7 +50,7 @@ def witness(flight):
         ("hover", 3.0, 6.0, 40.0, "no velocity: gravity only"),
         ("coordinated-turns", 3.0, 20.0, 24.0, "no velocity: airspeed"),
         ("still", NEVER, NEVER, 6.0, "no velocity: at rest"),
-        ("tumbling", NEVER, NEVER, 15.0, "no velocity: taken to stay in place"),
+        ("tumbling", NEVER, NEVER, 15.0, "no velocity: gravity only"),
     ],
 )
 def test_what_the_attitude_rests_on_is_said(flight, scenario, first_fix_s, lost_s, end_s, text):
