@@ -14,7 +14,7 @@ from attest_mav.evaluation.flight_study.disturbances import (
 from attest_mav.evaluation.flight_study.edits import WHOLE
 from attest_mav.evaluation.flight_study.figures import Figures, Line, accuracy, at_least, at_most, honesty, rms
 from attest_mav.evaluation.flight_study.flying import Chosen, Errors, Trial, flown
-from attest_mav.evaluation.flight_study.outages import measure_outages
+from attest_mav.evaluation.flight_study.outages import LENGTHS_S, measure_outages
 from attest_mav.evaluation.flight_study.peers import peer_flown
 from attest_mav.evaluation.flight_study.starts import measure_starts
 from attest_mav.evaluation.harness import Bound, TrialMap
@@ -35,7 +35,8 @@ CERTAIN_DEG: Final = 1.0
 class Study:
     """What to study, and how much of it.
 
-    name: of the log without its folder and ending. airspeed: outages leave it. peers: others in the main table.
+    name: of the log without its folder and ending. airspeed: outages leave it. each: every start and
+    outage has a line of its own too. peers: others in the main table.
     """
 
     log: bytes
@@ -44,6 +45,7 @@ class Study:
     starts: int
     seeds: int
     airspeed: bool
+    each: bool = False
     peers: Sequence[str] = ()
 
 
@@ -73,11 +75,13 @@ def main_figures(errors: Errors) -> Figures:
 
 
 def _starts(study: Study, trial_map: TrialMap) -> list[Line]:
-    return [measure_starts(study.log, study.one, study.starts, trial_map)[0]]
+    lines = measure_starts(study.log, study.one, study.starts, trial_map)
+    return lines if study.each else lines[:1]
 
 
 def _outages(study: Study, trial_map: TrialMap) -> list[Line]:
-    return measure_outages(study.log, study.one, trial_map, airspeed=study.airspeed)
+    lines = measure_outages(study.log, study.one, trial_map, airspeed=study.airspeed)
+    return lines if study.each else lines[: len(LENGTHS_S)]
 
 
 def _sensors(study: Study, trial_map: TrialMap) -> list[Line]:

@@ -44,7 +44,7 @@ def test_samples_without_truth_decide_nothing():
 
 def test_starts_that_never_end_count_as_the_cap():
     starts = [Start(0.0, 1.0, 2.0, 1.0, 0.5), Start(0.0, 3.0, -4.0, 1.0, 0.5), Start(0.0, inf, nan, nan, nan)]
-    figures = summary(starts, {}).figures
+    figures = summary("three", starts, {}).figures
     assert (figures["median s"], figures["max s"]) == (3.0, 60.0)
     assert figures["never %"] == pytest.approx(100.0 / 3.0)
     assert figures["heading max"] == 4.0
