@@ -58,7 +58,8 @@ def main_table(study: Study, trial_map: TrialMap) -> list[Line]:
     choices = [study.one, *(Chosen(name) for name in names[1:])]
     results = list(trial_map(flown, [Trial(study.log, one, WHOLE) for one in choices]))
     limits = {**HONEST, **MAIN_LIMITS.get(study.name, {})}
-    lines = [Line("autopilot", accuracy(results[0].autopilot.that_count()))]
+    autopilot = accuracy(results[0].autopilot.that_count())
+    lines = [Line("autopilot, on truth" if autopilot["tilt max"] == 0.0 else "autopilot", autopilot)]
     for one, result in zip(choices, results, strict=True):
         limited = limits if one.name == "velocity-aided" else {}
         lines.append(Line(one.name, main_figures(result.ours.that_count()), limited))
