@@ -1,7 +1,8 @@
 """What is done to a recording before it is flown: every edit is a pure function, samples in, samples out.
 
 ``imu`` names the inertial message in use. Times are seconds from its first sample, on the sensor's clock; samples
-without a time of their own belong to the last inertial sample before them.
+without a time of their own belong to the last inertial sample before them. Readings are taken for those of an integer
+message (RAW_IMU, SCALED_IMU).
 """
 
 from collections.abc import Callable, Iterator, Sequence

@@ -23,7 +23,7 @@ LIMITS: Final[Mapping[float, Mapping[str, Bound]]] = {30.0: {"at end, worst": at
 def measure_outages(
     log: bytes, one: Chosen, trial_map: TrialMap, *, airspeed: bool = True, lengths_s: Sequence[float] = LENGTHS_S
 ) -> list[Line]:
-    """A line for each length: outages that begin every 15 s of flight."""
+    """A line for each length, of outages that begin every 15 s of flight, and then one for each outage."""
     recording = recorded(log)
     first_s, last_s = flying_interval(recording)
     first_s = max(first_s, LEARNT_S)
@@ -36,14 +36,23 @@ def measure_outages(
         Trial(log, one, partial(outage, from_s=start_s, to_s=start_s + length_s, airspeed=airspeed), skip_s=0.0)
         for length_s, start_s in cases
     ]
-    results = list(zip(cases, trial_map(flown, trials), strict=True))
     limits = LIMITS if is_fast(recording) else {}
-    lines = []
-    for length_s in lengths_s:
-        ours = [flight.ours.between(start_s, start_s + of_s) for (of_s, start_s), flight in results if of_s == length_s]
-        compared = [errors for errors in ours if len(errors.tilt)]
-        lines.append(_outage_line(length_s, compared, limits.get(length_s, {})))
-    return lines
+    outages = [
+        (length_s, start_s, flight.ours.between(start_s, start_s + length_s))
+        for (length_s, start_s), flight in zip(cases, trial_map(flown, trials), strict=True)
+    ]
+    compared = [one_of for one_of in outages if len(one_of[2].tilt)]
+    lines = [
+        _outage_line(
+            f"no velocity for {length_s:g} s",
+            [errors for of_s, _, errors in compared if of_s == length_s],
+            limits.get(length_s, {}),
+        )
+        for length_s in lengths_s
+    ]
+    return lines + [
+        _outage_line(f"{length_s:g} s from {start_s:.1f} s", [errors], {}) for length_s, start_s, errors in compared
+    ]
 
 
 def outage(samples: Sequence[Sample], imu: str, *, from_s: float, to_s: float, airspeed: bool) -> list[Sample]:
@@ -52,8 +61,8 @@ def outage(samples: Sequence[Sample], imu: str, *, from_s: float, to_s: float, a
     return without_velocity(flight, imu, from_s=from_s, to_s=to_s, airspeed=airspeed)
 
 
-def _outage_line(length_s: float, outages: Sequence[Errors], limits: Mapping[str, Bound]) -> Line:
-    """Of outages of one length, by the errors during each."""
+def _outage_line(label: str, outages: Sequence[Errors], limits: Mapping[str, Bound]) -> Line:
+    """Of some outages, by the errors during each."""
     ends = np.array([errors.tilt[-1] for errors in outages])
     honest = np.array([share_within(errors.tilt, errors.tilt_sigma, 3.0) for errors in outages])
     figures = {
@@ -65,4 +74,4 @@ def _outage_line(length_s: float, outages: Sequence[Errors], limits: Mapping[str
         "tilt in 3s %": float(np.mean(honest)) if len(honest) else nan,
         "outages all in 3s %": 100.0 * float(np.mean(honest == 100.0)) if len(honest) else nan,
     }
-    return Line(f"no velocity for {length_s:g} s", figures, limits)
+    return Line(label, figures, limits)

@@ -1,6 +1,6 @@
 """The parts of a study, by name; each gives the lines of a table."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -14,7 +14,8 @@ from attest_mav.evaluation.flight_study.disturbances import (
 from attest_mav.evaluation.flight_study.edits import WHOLE
 from attest_mav.evaluation.flight_study.figures import Figures, Line, accuracy, at_least, at_most, honesty, rms
 from attest_mav.evaluation.flight_study.flying import Chosen, Errors, Trial, flown
-from attest_mav.evaluation.flight_study.outages import measure_outages
+from attest_mav.evaluation.flight_study.outages import LENGTHS_S, measure_outages
+from attest_mav.evaluation.flight_study.peers import peer_flown
 from attest_mav.evaluation.flight_study.starts import measure_starts
 from attest_mav.evaluation.harness import Bound, TrialMap
 from attest_mav.filters.registry import filter_names
@@ -32,7 +33,11 @@ CERTAIN_DEG: Final = 1.0
 
 @dataclass(frozen=True)
 class Study:
-    """What to study, and how much of it."""
+    """What to study, and how much of it.
+
+    name: of the log without its folder and ending. airspeed: outages leave it. each: every start and
+    outage has a line of its own too. peers: others in the main table.
+    """
 
     log: bytes
     name: str
@@ -40,21 +45,26 @@ class Study:
     starts: int
     seeds: int
     airspeed: bool
+    each: bool = False
+    peers: Sequence[str] = ()
 
 
 Part = Callable[[Study, TrialMap], list[Line]]
 
 
 def main_table(study: Study, trial_map: TrialMap) -> list[Line]:
-    """All our filters beside the autopilot, over the recording as it is."""
+    """All our filters beside the autopilot and the peers, over the recording as it is."""
     names = [study.one.name, *(name for name in filter_names() if name != study.one.name)]
     choices = [study.one, *(Chosen(name) for name in names[1:])]
     results = list(trial_map(flown, [Trial(study.log, one, WHOLE) for one in choices]))
     limits = {**HONEST, **MAIN_LIMITS.get(study.name, {})}
-    lines = [Line("autopilot", accuracy(results[0].autopilot.that_count()))]
+    autopilot = accuracy(results[0].autopilot.that_count())
+    lines = [Line("autopilot, on truth" if autopilot["tilt max"] == 0.0 else "autopilot", autopilot)]
     for one, result in zip(choices, results, strict=True):
         limited = limits if one.name == "velocity-aided" else {}
         lines.append(Line(one.name, main_figures(result.ours.that_count()), limited))
+    peers = trial_map(peer_flown, [(study.log, name) for name in study.peers])
+    lines += [Line(name, accuracy(errors.that_count())) for name, errors in zip(study.peers, peers, strict=True)]
     return lines
 
 
@@ -66,11 +76,13 @@ def main_figures(errors: Errors) -> Figures:
 
 
 def _starts(study: Study, trial_map: TrialMap) -> list[Line]:
-    return [measure_starts(study.log, study.one, study.starts, trial_map)[0]]
+    lines = measure_starts(study.log, study.one, study.starts, trial_map)
+    return lines if study.each else lines[:1]
 
 
 def _outages(study: Study, trial_map: TrialMap) -> list[Line]:
-    return measure_outages(study.log, study.one, trial_map, airspeed=study.airspeed)
+    lines = measure_outages(study.log, study.one, trial_map, airspeed=study.airspeed)
+    return lines if study.each else lines[: len(LENGTHS_S)]
 
 
 def _sensors(study: Study, trial_map: TrialMap) -> list[Line]:

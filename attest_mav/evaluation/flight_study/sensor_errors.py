@@ -11,10 +11,11 @@ typical   0.2          0.4         0.3         10       4        10         0.1 
 poor      0.5          1.0         1.0         30       10       25         0.2         0.2             80 ms
 ========  ===========  ==========  ==========  =======  =======  =========  ==========  ==============  =======
 
-White errors are drawn for each axis of each sample, whatever the rate. The magnetometer's are drawn for each new
-reading and held while RAW_IMU repeats it: its compass runs at 10 Hz. Biases last for the whole flight, and every axis
-has the full size with a sign of its own: the vector is larger than its size by the root of three. The correlated part
-of the GPS velocity forgets in 5 s. The latency is none that any message tells: the fix arrives, and is stamped, later.
+White errors are drawn for each axis of each sample, whatever the rate; those of the magnetometer for each new reading
+(its compass runs at 10 Hz and RAW_IMU repeats it), those of the receiver for each fix, however often it is sent. Biases
+last for the whole flight, and every axis has the full size with a sign of its own: the vector is larger than its size
+by the root of three. The correlated part of the GPS velocity forgets in 5 s. The latency is none that any message
+tells: the fix arrives, and is stamped, later. Airspeed and climb keep what errors they have.
 """
 
 from collections import deque
@@ -27,6 +28,7 @@ import numpy as np
 
 from attest_mav.algebra import add
 from attest_mav.evaluation.flight_study.edits import clocked, restored, truncated, with_readings
+from attest_mav.evaluation.flight_study.flying import Column
 from attest_mav.mavlink.units import MILLI, MILLI_G
 from attest_mav.types import ImuSample, PositionSample, Sample, Vec3, VelocitySample
 
@@ -123,6 +125,7 @@ class _Receiver:
         self._rng = rng
         self._correlated = errors.velocity_correlated * rng.standard_normal(3)
         self._last_ns = -1
+        self._last_error = np.zeros(3)
 
     def spoilt(self, sample: VelocitySample) -> VelocitySample:
         """The fix with errors, later; a velocity without its vertical keeps it so."""
@@ -158,14 +161,20 @@ class _Receiver:
     def _late_ns(self) -> int:
         return round(self._errors.latency_s * 1e9)
 
-    def _error(self, t_ns: int) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":
-        """Of the velocity then, m/s; x(t + dt) = k x(t) + sqrt(1 - k^2) n with k = exp(-dt / 5 s)."""
+    def _error(self, t_ns: int) -> Column:
+        """Of the fix of that time, m/s; x(t + dt) = k x(t) + sqrt(1 - k^2) n with k = exp(-dt / 5 s).
+
+        A fix that is sent again has the error that it had.
+        """
+        if t_ns == self._last_ns:
+            return self._last_error
         if self._last_ns >= 0 and t_ns > self._last_ns:
             kept = exp(-(t_ns - self._last_ns) * 1e-9 / CORRELATION_S)
             fresh = self._errors.velocity_correlated * sqrt(1.0 - kept * kept)
             self._correlated = kept * self._correlated + fresh * self._rng.standard_normal(3)
         self._last_ns = t_ns
-        return self._correlated + self._errors.velocity * self._rng.standard_normal(3)
+        self._last_error = self._correlated + self._errors.velocity * self._rng.standard_normal(3)
+        return self._last_error
 
 
 def _sent(reading: Vec3, error: Vec3, unit: float) -> Vec3:

@@ -41,15 +41,16 @@ class Start:
     first_tilt: float
 
 
-def measure_starts(log: bytes, one: Chosen, count: int, trial_map: TrialMap) -> tuple[Line, list[Start]]:
-    """So many starts, evenly spread over the turns of the flight."""
+def measure_starts(log: bytes, one: Chosen, count: int, trial_map: TrialMap) -> list[Line]:
+    """A line for so many starts, evenly spread over the turns of the flight, and one for each of them."""
     recording = recorded(log)
     times = evenly(turning_times(recording, turn_tilt_deg(recording), LEAST_LEFT_S), count)
     starts = dict(_start_all(log, one, times, SOON_S, trial_map))
     missing = [at_s for at_s in times if starts[at_s].found_s == inf]
     starts.update(_start_all(log, one, missing, CAP_S, trial_map))
     limits = LIMITS if is_fast(recording) else {}
-    return summary(list(starts.values()), limits), list(starts.values())
+    each = [summary(f"start at {at_s:.1f} s", [starts[at_s]], {}) for at_s in times]
+    return [summary(f"{len(times)} starts in turns", list(starts.values()), limits), *each]
 
 
 def _start_all(
@@ -79,8 +80,8 @@ def start_of(at_s: float, errors: Errors) -> Start:
     return Start(at_s, inf, nan, *first)
 
 
-def summary(starts: Sequence[Start], limits: Mapping[str, Bound]) -> Line:
-    """The table's line."""
+def summary(label: str, starts: Sequence[Start], limits: Mapping[str, Bound]) -> Line:
+    """A line of the table."""
     found = np.array([start.found_s for start in starts])
     capped = np.minimum(found, CAP_S)
     first = np.array([start.first_tilt for start in starts])
@@ -95,7 +96,7 @@ def summary(starts: Sequence[Start], limits: Mapping[str, Bound]) -> Line:
         "heading then": _statistic(heading, 50.0),
         "heading max": _statistic(heading, 100.0),
     }
-    return Line(f"{len(starts)} starts in turns", figures, limits)
+    return Line(label, figures, limits)
 
 
 def _statistic(values: "np.ndarray[tuple[int], np.dtype[np.float64]]", percent: float) -> float:
