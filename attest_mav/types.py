@@ -57,6 +57,17 @@ class Setting(IntEnum):
     """Age of the receiver's velocity at the time that GPS_RAW_INT names, s."""
 
 
+class EarthField:
+    """The direction of the Earth's magnetic field where the vehicle is; rad, NaN where it is not known.
+
+    declination: east of true north. inclination: below the horizontal.
+    """
+
+    def __init__(self, declination: float = nan, inclination: float = nan) -> None:
+        self.declination: Final = declination
+        self.inclination: Final = inclination
+
+
 class Sample:
     """Base of everything a decoder makes out of one message.
 

@@ -10,6 +10,7 @@ from attest_mav.runtime.daemon import Daemon
 from attest_mav.runtime.files import read_config
 from attest_mav.runtime.journal import log_to_stderr
 from attest_mav.runtime.stop_signals import stop_signals
+from attest_mav.types import EarthField
 
 
 @click.command("run")
@@ -24,7 +25,7 @@ def command(config_file: str | None, urls: tuple[str, ...]) -> None:
     config = load_config(config_file, urls)
     log_to_stderr(config.log.level)
     with stop_signals() as stop:
-        Daemon(config, find_declination).run(stop)
+        Daemon(config, find_field).run(stop)
 
 
 def load_config(config_file: str | None, urls: tuple[str, ...]) -> Config:
@@ -37,10 +38,10 @@ def load_config(config_file: str | None, urls: tuple[str, ...]) -> Config:
     return config
 
 
-def find_declination(latitude_deg: float, longitude_deg: float, altitude_m: float) -> tuple[float, str]:
-    """The declination there and now, in degrees, and the model it comes from."""
+def find_field(latitude_deg: float, longitude_deg: float, altitude_m: float) -> tuple[EarthField, str]:
+    """The Earth's field there and now, and the model it comes from."""
     # Imported at the first position: it takes time, and some vehicles never have one.
-    from attest_mav.evaluation.field_model import declination_at  # noqa: PLC0415
+    from attest_mav.evaluation.field_model import field_at  # noqa: PLC0415
 
-    declination = declination_at(latitude_deg, longitude_deg, altitude_m, time.time())
-    return declination.degrees, declination.source
+    found = field_at(latitude_deg, longitude_deg, altitude_m, time.time())
+    return found.direction, found.source

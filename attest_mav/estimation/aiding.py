@@ -15,6 +15,7 @@ from attest_mav.estimation.stillness import Stillness
 from attest_mav.filters.base import Aids
 from attest_mav.types import (
     AirDataSample,
+    EarthField,
     HeartbeatSample,
     ImuSample,
     North,
@@ -54,10 +55,10 @@ class AidSettings:
 
 
 class Aiding:
-    """One lane's view of everything that aids its filters. ``declination`` is in rad, NaN while it is unknown."""
+    """One lane's view of everything that aids its filters. ``field`` is that where the vehicle is."""
 
     def __init__(self, settings: AidSettings) -> None:
-        self.declination = nan
+        self.field = EarthField()
         self._settings = settings
         self._vehicle_type = 0
         self._latitude = nan
@@ -109,13 +110,14 @@ class Aiding:
             source is not None and isfinite(forward) and source is not self._speed_given,
             self._still,
             self._latitude,
-            self.declination,
+            self.field.declination,
             velocity,
             velocity is not None and velocity is not self._velocity_given,
             air.airspeed if air is not None else nan,
             air is not None and isfinite(air.airspeed) and air is not self._air_given,
             side_speed=side,
             down_speed=down,
+            inclination=self.field.inclination,
             in_place=not self._stillness.armed,
         )
 

@@ -196,7 +196,7 @@ class Lane:
     def _estimate(self, sample: ImuSample, step: TimeStep, events: list[Event]) -> None:
         """Append every filter's estimate at this sample."""
         delay_s = self._delay.delay_s(step.t_ns, sample.rx_ns)
-        declination = self.aiding.declination
+        declination = self.aiding.field.declination
         for track in self._tracks:
             state = track.state
             runs = self._aligned or track.filter.aligns_itself

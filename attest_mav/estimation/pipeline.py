@@ -15,7 +15,7 @@ from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventK
 from attest_mav.estimation.lane import Lane
 from attest_mav.estimation.verdict import Judge, VerdictSettings
 from attest_mav.filters.base import AttitudeFilter, VehicleFacts
-from attest_mav.types import AttitudeSample, Estimate, ImuSample, ParameterSample, Sample
+from attest_mav.types import AttitudeSample, EarthField, Estimate, ImuSample, ParameterSample, Sample
 
 _NS: Final = 1_000_000_000
 
@@ -55,7 +55,7 @@ class Pipeline:
         self._filters = list(filters)
         self._sources = list(sources)
         self._judge = Judge(settings.verdict)
-        self._declination = nan
+        self._field = EarthField()
         self._newest: dict[str, Sample] = {}
         self._attitude_source = ""
         self._attitude_rx_ns = -1
@@ -65,11 +65,11 @@ class Pipeline:
         """Name of the primary lane's message, "" before one is known."""
         return self._sources[0] if self._sources else ""
 
-    def set_declination(self, declination: float) -> None:
-        """Refer headings to true north from now on; rad, east positive."""
-        self._declination = declination
+    def set_field(self, field: EarthField) -> None:
+        """From now on this is the field where the vehicle is: with its declination headings refer to true north."""
+        self._field = field
         for lane in self.lanes.values():
-            lane.aiding.declination = declination
+            lane.aiding.field = field
 
     def inform(self, facts: VehicleFacts) -> None:
         """From now on these are the vehicle's settings, and all others what each filter assumes."""
@@ -127,7 +127,7 @@ class Pipeline:
         lane = self.lanes.get(source)
         if lane is None:
             lane = Lane(source, self._filters, self._settings.aids)
-            lane.aiding.declination = self._declination
+            lane.aiding.field = self._field
             lane.inform(self.facts)
             for known in self._newest.values():
                 lane.aiding.take(known)

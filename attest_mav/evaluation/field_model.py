@@ -1,7 +1,10 @@
-"""The declination of the Earth's field at a place and date, by the World Magnetic Model."""
+"""The Earth's magnetic field at a place and date, by the World Magnetic Model."""
 
 from dataclasses import dataclass
+from math import radians
 from typing import Final
+
+from attest_mav.types import EarthField
 
 SECONDS_PER_YEAR: Final = 31_556_952.0
 """Mean Gregorian year. The field moves by 0.2 degrees a year at most where people fly: days do not matter."""
@@ -15,15 +18,24 @@ PLAUSIBLE_YEAR: Final = 2005.0
 
 
 @dataclass(frozen=True)
-class Declination:
-    """What turns magnetic into true headings. ``degrees`` is positive east; ``source`` says where it comes from."""
+class LocalField:
+    """The field's direction at a place: declination (east positive, it turns magnetic into true headings), inclination.
 
-    degrees: float
+    inclination_deg: below the horizontal; NaN where only the declination was given. source: where both come from.
+    """
+
+    declination_deg: float
+    inclination_deg: float
     source: str
 
+    @property
+    def direction(self) -> EarthField:
+        """The same in radians."""
+        return EarthField(radians(self.declination_deg), radians(self.inclination_deg))
 
-def declination_at(latitude_deg: float, longitude_deg: float, altitude_m: float, unix_s: float) -> Declination:
-    """The declination there and then. A date that no model covers is answered by the nearest one, which says so."""
+
+def field_at(latitude_deg: float, longitude_deg: float, altitude_m: float, unix_s: float) -> LocalField:
+    """The field there and then. A date that no model covers is answered by the nearest one, which says so."""
     # Costs 40 ms and is needed by few commands.
     from pygeomag import GeoMag  # noqa: PLC0415
 
@@ -33,7 +45,7 @@ def declination_at(latitude_deg: float, longitude_deg: float, altitude_m: float,
         glat=latitude_deg, glon=longitude_deg, alt=1e-3 * altitude_m, time=year, allow_date_outside_lifespan=True
     )
     place = f"{latitude_deg:.3f}, {longitude_deg:.3f}"
-    return Declination(float(field.d), f"{model.model} at {place} in {year:.1f}{remark}")
+    return LocalField(float(field.d), float(field.i), f"{model.model} at {place} in {year:.1f}{remark}")
 
 
 def _model_year(year: float) -> tuple[float, str]:

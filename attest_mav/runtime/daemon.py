@@ -11,7 +11,7 @@ from attest_mav.link_url import Scheme, parse_link
 from attest_mav.mavlink.dialect import Dialect, load_dialect
 from attest_mav.runtime.links import Link, open_link
 from attest_mav.runtime.notify import Notifier
-from attest_mav.runtime.service import DeclinationFinder, Service
+from attest_mav.runtime.service import FieldFinder, Service
 from attest_mav.runtime.status import StatusLine
 
 log = logging.getLogger("attest_mav.daemon")
@@ -26,11 +26,11 @@ class Daemon:
     LinkError when a link cannot be had.
     """
 
-    def __init__(self, config: Config, find_declination: DeclinationFinder) -> None:
+    def __init__(self, config: Config, find_field: FieldFinder) -> None:
         now_ns = time.monotonic_ns()
         dialect = load_dialect()
         self.links = open_links(config, dialect, now_ns)
-        self.service = Service(config, [link.url for link in self.links], dialect, find_declination, now_ns)
+        self.service = Service(config, [link.url for link in self.links], dialect, find_field, now_ns)
         self.notifier = Notifier(os.environ)
         self.selector = selectors.DefaultSelector()
         self._ready = False

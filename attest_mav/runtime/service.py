@@ -6,7 +6,7 @@ and the real clock; tests give it a simulated vehicle and a counter.
 
 import logging
 from collections.abc import Callable, Sequence
-from math import isfinite, nan, radians
+from math import degrees, isfinite, nan, radians
 
 from attest_mav.config import Config, LinkConfig
 from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
@@ -20,15 +20,15 @@ from attest_mav.mavlink.parameters import facts_of_firmware
 from attest_mav.mavlink.port import PortSettings
 from attest_mav.mavlink.vehicle_data import POSITION_MESSAGES, DataSettings
 from attest_mav.runtime.status import verdict_text
-from attest_mav.types import Estimate, ImuSample, ParameterSample, PositionSample, Sample
+from attest_mav.types import EarthField, Estimate, ImuSample, ParameterSample, PositionSample, Sample
 
 log = logging.getLogger("attest_mav.service")
 
-DeclinationFinder = Callable[[float, float, float], tuple[float, str]]
-"""Latitude, longitude (degrees) and altitude (m) to the declination in degrees and where it comes from."""
+FieldFinder = Callable[[float, float, float], tuple[EarthField, str]]
+"""Latitude, longitude (degrees) and altitude (m) to the Earth's field and where it is known from."""
 
 FAR_DEG = 0.5
-"""The declination is looked up again after so many degrees of latitude or longitude: it hardly changes sooner."""
+"""The field is looked up again after so many degrees of latitude or longitude: it hardly changes sooner."""
 
 REPORT_NS = 1_000_000_000
 """How often refusals of the decoder are looked for."""
@@ -40,7 +40,7 @@ class Service:
     """One vehicle's attitude, from the bytes of its links to the frames that are sent on them."""
 
     def __init__(
-        self, config: Config, links: Sequence[str], dialect: Dialect, find_declination: DeclinationFinder, now_ns: int
+        self, config: Config, links: Sequence[str], dialect: Dialect, find_field: FieldFinder, now_ns: int
     ) -> None:
         """``links``: the names of the links, one for each of ``config.link``."""
         self.config = config
@@ -53,9 +53,9 @@ class Service:
         self.samples = 0
         self.due_ns = now_ns
         """When ``poll`` is due; a time in the past is at once."""
-        self._find_declination = find_declination
-        self._declination_deg: float | None = None
-        self._declination_place = (0.0, 0.0)
+        self._find_field = find_field
+        self._field = EarthField()
+        self._field_place: tuple[float, float] | None = None
         self._sample_ns = now_ns - 10 * self._stale_ns
         self._sender = self.companion.sender
         self._facts = VehicleFacts()
@@ -63,7 +63,7 @@ class Service:
         self._agreement: Agreement | None = None
         self._next_report_ns = now_ns + REPORT_NS
         if config.estimate.declination_deg != "auto":
-            self._declination_deg = config.estimate.declination_deg
+            self._field = EarthField(radians(config.estimate.declination_deg))
 
     @property
     def estimate(self) -> Estimate | None:
@@ -131,7 +131,7 @@ class Service:
             if self.pipeline is None or self.pipeline.primary != sample.source:
                 self._begin_pipeline(sample.source)
         elif isinstance(sample, PositionSample):
-            self._refer_to_true_north(sample)
+            self._look_field_up(sample)
         elif isinstance(sample, ParameterSample):
             self._facts = self._facts.told(sample.setting, sample.value)
             self.companion.parameter_taken(sample)
@@ -152,8 +152,7 @@ class Service:
         config = self.config
         self.pipeline = Pipeline(config.pipeline_settings(), [config.filter.build()], [source])
         self.pipeline.inform(self._facts)
-        if self._declination_deg is not None:
-            self.pipeline.set_declination(radians(self._declination_deg))
+        self.pipeline.set_field(self._field)
         note = self.decoder.notes.get(source, "")
         log.info("using %s with the filter %s%s", source, config.filter.chosen, f" ({note})" if note else "")
 
@@ -189,22 +188,23 @@ class Service:
             return CRITICAL if self._agreement == Agreement.DISAGREE else ACTIVE
         return CALIBRATING if now_ns - self._sample_ns < self._stale_ns else BOOT
 
-    def _refer_to_true_north(self, position: PositionSample) -> None:
-        """Look the declination up at the first position, and again far from there."""
-        if self.config.estimate.declination_deg != "auto":
-            return
+    def _look_field_up(self, position: PositionSample) -> None:
+        """Look the Earth's field up at the first position, and again far from there; a configured declination stays."""
         place = (position.latitude_deg, position.longitude_deg)
-        near = max(abs(place[0] - self._declination_place[0]), abs(place[1] - self._declination_place[1])) < FAR_DEG
-        if self._declination_deg is not None and near:
+        known = self._field_place
+        if known is not None and max(abs(place[0] - known[0]), abs(place[1] - known[1])) < FAR_DEG:
             return
-        degrees, source = self._find_declination(*place, position.altitude_m)
-        self._declination_place = place
-        if not isfinite(degrees):
+        self._field_place = place
+        found, source = self._find_field(*place, position.altitude_m)
+        if not isfinite(found.declination):
             return
-        self._declination_deg = degrees
-        log.info("headings are true: declination %+.2f degrees by %s", degrees, source)
+        if self.config.estimate.declination_deg != "auto":
+            found = EarthField(self._field.declination, found.inclination)
+        else:
+            log.info("headings are true: declination %+.2f degrees by %s", degrees(found.declination), source)
+        self._field = found
         if self.pipeline is not None:
-            self.pipeline.set_declination(radians(degrees))
+            self.pipeline.set_field(found)
 
     def _report_refusals(self) -> None:
         """Say once why the inertial message gives no samples, or none with a magnetometer."""

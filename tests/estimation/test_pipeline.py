@@ -8,7 +8,7 @@ from attest_mav.algebra import heading_between, q_from_euler, q_norm, q_to_euler
 from attest_mav.estimation.events import Agreement, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.filters.gradient_descent import GradientDescent
-from attest_mav.types import G_MPS2, Estimate, HeartbeatSample, ImuSample, North
+from attest_mav.types import G_MPS2, EarthField, Estimate, HeartbeatSample, ImuSample, North
 
 DT = 0.02
 
@@ -45,7 +45,7 @@ def test_a_vehicle_at_rest_is_aligned_and_level(pipeline, imu):
 
 
 def test_declination_turns_magnetic_headings_into_true_ones(pipeline, imu):
-    pipeline.set_declination(radians(12.0))
+    pipeline.set_field(EarthField(radians(12.0)))
     last = estimates(run(pipeline, still(imu, 0.0, 1.0, yaw=radians(40.0))))[-1]
     assert last.north == North.TRUE
     assert q_to_euler(last.q_nb)[2] == pytest.approx(radians(52.0), abs=1e-5)
@@ -227,7 +227,7 @@ def test_heading_is_judged_only_from_the_same_north(imu, attitude):
     unknown = Pipeline(PipelineSettings(), [GradientDescent()])
     assert verdicts(run(unknown, interleave(imu, attitude, 0.0, 4.0, turned)))[-1].agreement == Agreement.AGREE
     known = Pipeline(PipelineSettings(), [GradientDescent()])
-    known.set_declination(0.0)
+    known.set_field(EarthField(0.0))
     last = verdicts(run(known, interleave(imu, attitude, 0.0, 4.0, turned)))[-1]
     assert (last.agreement, last.reason) == (Agreement.DISAGREE, "heading")
     assert last.heading == pytest.approx(radians(30.0), abs=1e-3)

@@ -1,6 +1,6 @@
 import pytest
 
-from attest_mav.evaluation.field_model import SECONDS_PER_YEAR, declination_at
+from attest_mav.evaluation.field_model import SECONDS_PER_YEAR, field_at
 
 
 def unix_s(year):
@@ -19,8 +19,8 @@ def unix_s(year):
     ],
 )
 def test_published_values(latitude, longitude, altitude_m, year, expected):
-    found = declination_at(latitude, longitude, altitude_m, unix_s(year))
-    assert found.degrees == pytest.approx(expected, abs=0.05)
+    found = field_at(latitude, longitude, altitude_m, unix_s(year))
+    assert found.declination_deg == pytest.approx(expected, abs=0.05)
 
 
 @pytest.mark.parametrize(
@@ -34,12 +34,19 @@ def test_published_values(latitude, longitude, altitude_m, year, expected):
     ],
 )
 def test_every_date_is_answered_and_a_poor_match_is_admitted(year, model, remark):
-    found = declination_at(51.873, 0.171, 50.0, unix_s(year))
+    found = field_at(51.873, 0.171, 50.0, unix_s(year))
     assert found.source.startswith(model)
     assert remark in found.source
     assert remark or "(" not in found.source
 
 
+def test_the_dip_is_that_of_the_published_test_values():
+    # WMM2020: near the equator and towards either pole.
+    assert field_at(0.0, 120.0, 0.0, unix_s(2020.0)).inclination_deg == pytest.approx(-15.42, abs=0.05)
+    assert field_at(80.0, 0.0, 0.0, unix_s(2020.0)).inclination_deg == pytest.approx(83.14, abs=0.05)
+    assert field_at(-80.0, 240.0, 0.0, unix_s(2020.0)).inclination_deg == pytest.approx(-72.20, abs=0.05)
+
+
 def test_the_poles_have_an_answer():
     for latitude in (90.0, -90.0):
-        assert -180.0 <= declination_at(latitude, 0.0, 0.0, unix_s(2024.0)).degrees <= 180.0
+        assert -180.0 <= field_at(latitude, 0.0, 0.0, unix_s(2024.0)).declination_deg <= 180.0

@@ -204,7 +204,7 @@ def test_run_imports_neither_numpy_nor_rich_nor_prometheus():
     program = (
         "import sys, attest_mav.cli.run, attest_mav.runtime.sim_link, attest_mav.runtime.serial_link;"
         "from attest_mav.mavlink.dialect import load_dialect; load_dialect();"
-        "from attest_mav.cli.run import find_declination; find_declination(47.0, 8.0, 400.0);"
+        "from attest_mav.cli.run import find_field; find_field(47.0, 8.0, 400.0);"
         "print([name for name in ('numpy', 'rich', 'prometheus_client', 'pymavlink.mavutil') if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-P", "-c", program], capture_output=True, text=True, check=True)

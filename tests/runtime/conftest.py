@@ -1,7 +1,7 @@
 """The daemon's work on virtual time: a service and a fake autopilot that exchange bytes, and pymavlink listening."""
 
 from collections.abc import Callable
-from math import degrees
+from math import degrees, radians
 from typing import Any
 
 import pytest
@@ -13,9 +13,12 @@ from attest_mav.mavlink.dialect import Dialect, load_dialect
 from attest_mav.runtime.service import Service
 from attest_mav.sim.autopilot import FakeAutopilot
 from attest_mav.sim.settings import SimSettings
+from attest_mav.types import EarthField
 
 SECOND = 1_000_000_000
-DECLINATION_DEG = 12.69
+
+FIELD = EarthField(radians(12.69), radians(-66.05))
+"""What the simulator models."""
 """Where the fake autopilot flies; a constant here, so that no model is loaded."""
 
 
@@ -36,7 +39,7 @@ class Flight:
         self.now_ns = 0
         self.vehicle = FakeAutopilot(settings, 1, dialect)
         names = [link.url for link in config.link]
-        self.service = Service(config, names, dialect, lambda *_: (DECLINATION_DEG, "a test"), 0)
+        self.service = Service(config, names, dialect, lambda *_: (FIELD, "a test"), 0)
         self.heard: list[tuple[float, Any]] = []
         self.raw: list[bytes] = []
         self.deaf_to: set[int] = set()

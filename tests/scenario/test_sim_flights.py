@@ -19,7 +19,7 @@ from attest_mav.mavlink.dialect import load_dialect
 from attest_mav.mavlink.framing import Framer
 from attest_mav.sim.autopilot import FakeAutopilot
 from attest_mav.sim.settings import Faults, SimSettings
-from attest_mav.types import Estimate, North
+from attest_mav.types import EarthField, Estimate, North
 
 SOURCES = {"ardupilot": "RAW_IMU", "px4": "HIGHRES_IMU"}
 
@@ -66,7 +66,7 @@ def fly(until_s, filter_name="gradient-descent", **choices):
     decoder = Decoder(dialect)
     framer = Framer(dialect, decoder.wanted)
     pipeline = Pipeline(PipelineSettings(), [default_filter(filter_name)], [SOURCES[settings.personality]])
-    pipeline.set_declination(radians(settings.earth.declination_deg))
+    pipeline.set_field(EarthField(radians(settings.earth.declination_deg), radians(settings.earth.inclination_deg)))
     flight = Flight(vehicle)
     now_ns = 0
     while now_ns < until_s * 1e9:

@@ -4,7 +4,7 @@ from array import array
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from math import nan, radians
+from math import nan
 from typing import Final
 
 import numpy as np
@@ -19,7 +19,7 @@ from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.registry import default_filter
 from attest_mav.filters.velocity_aided import VelocityAided
 from attest_mav.mavlink.dialect import load_dialect
-from attest_mav.types import Sample
+from attest_mav.types import EarthField, Sample
 
 Column = NDArray[np.float64]
 
@@ -147,12 +147,12 @@ def flown(trial: Trial) -> Flown:
 
 def fly(recording: Recording, samples: Sequence[Sample], one: AttitudeFilter, window: Window) -> Flown:
     """Run a filter over samples made of a recording, exactly as a replay would."""
-    declination = recording.declination
+    field = recording.earth_field
     log = ErrorLog()
     flight = Flight(
         recording.plan,
         [one.informed(recording.facts)],
-        nan if declination is None else radians(declination.degrees),
+        EarthField() if field is None else field.direction,
         window,
         rows=log,
     )

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from importlib import import_module
 from importlib.util import find_spec
-from math import isfinite, nan, radians, sqrt
+from math import sqrt
 from typing import Any, Final
 
 import numpy as np
@@ -45,8 +45,7 @@ def peer_flown(task: tuple[bytes, str]) -> Errors:
 
 def with_peer(recording: Recording, step: Step) -> list[Sample]:
     """The samples with the peer's attitude behind each inertial one, referred to true north where that is known."""
-    declination = nan if recording.declination is None else radians(recording.declination.degrees)
-    turn = q_heading(declination if isfinite(declination) else 0.0)
+    turn = q_heading(0.0 if recording.earth_field is None else recording.earth_field.direction.declination)
     out: list[Sample] = []
     last_ns = -1
     for sample in _without_carrier(recording.samples):

@@ -7,12 +7,12 @@ Nothing grows with the log but the columns of errors and of intervals.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from math import nan, radians
+from math import nan
 from mmap import mmap
 from typing import Final
 
 from attest_mav.errors import UnreadableDataError
-from attest_mav.evaluation.field_model import Declination, declination_at
+from attest_mav.evaluation.field_model import LocalField, field_at
 from attest_mav.evaluation.replay.comparison import RowSink
 from attest_mav.evaluation.replay.facts import fact_notes, facts_of
 from attest_mav.evaluation.replay.flight import Flight, Window
@@ -25,7 +25,7 @@ from attest_mav.logs.tlog import TlogReader, read_windows
 from attest_mav.mavlink.decoding import Decoder, of_message
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.encoding import Encoder
-from attest_mav.types import Sample
+from attest_mav.types import EarthField, Sample
 
 OUR_COMPONENT: Final = 193
 """The component id of woven messages, the daemon's default."""
@@ -69,12 +69,12 @@ class Outputs:
 class Replay:
     """What came of one log.
 
-    declination: None when headings stayed magnetic. notes: what a reader of the figures should know, a line each.
+    earth_field: None when headings stayed magnetic. notes: what a reader of the figures should know, a line each.
     """
 
     survey: Survey
     plan: Plan
-    declination: Declination | None
+    earth_field: LocalField | None
     flight: Flight
     notes: tuple[str, ...]
 
@@ -83,7 +83,7 @@ def replay(buffer: mmap | bytes, dialect: Dialect, request: Request, outputs: Ou
     """Replay a tlog. UnreadableDataError says what is missing in it."""
     survey = _survey(buffer, dialect, outputs.progress)
     plan = make_plan(survey, request.imu, request.reference)
-    declination = _declination(survey, plan, request.declination_deg)
+    earth_field = _earth_field(survey, plan, request.declination_deg)
     weaver = None
     if outputs.woven is not None:
         weaver = Weaver(buffer, outputs.woven, Encoder(dialect, plan.sender[0], OUR_COMPONENT))
@@ -92,7 +92,7 @@ def replay(buffer: mmap | bytes, dialect: Dialect, request: Request, outputs: Ou
     flight = Flight(
         plan,
         [one.informed(facts) for one in filters],
-        nan if declination is None else radians(declination.degrees),
+        EarthField() if earth_field is None else earth_field.direction,
         request.window,
         outputs.rows,
         weaver,
@@ -103,19 +103,19 @@ def replay(buffer: mmap | bytes, dialect: Dialect, request: Request, outputs: Ou
         raise UnreadableDataError(f"no usable {plan.imu}: {_lack(survey, plan, decoder)}")
     notes = [] if request.filters else _choice_notes(survey, plan)
     notes += [*_notes(survey, plan, decoder, flight), *fact_notes(survey.told(plan.sender), filters)]
-    return Replay(survey, plan, declination, flight, tuple(notes))
+    return Replay(survey, plan, earth_field, flight, tuple(notes))
 
 
 @dataclass(frozen=True)
 class Recording:
     """What ``replay`` takes from a log, decoded once: for many flights over it, or over what was made of it.
 
-    samples: of the plan's vehicle, in order. To be given to a ``Flight`` of the same plan and declination, with filters
+    samples: of the plan's vehicle, in order. To be given to a ``Flight`` of the same plan and field, with filters
     that are informed of the facts.
     """
 
     plan: Plan
-    declination: Declination | None
+    earth_field: LocalField | None
     facts: VehicleFacts
     samples: list[Sample]
 
@@ -130,7 +130,7 @@ def record(buffer: mmap | bytes, dialect: Dialect, imu: str | None = None, refer
         for frame in frames:
             if frame.system == plan.sender[0] and frame.component == plan.sender[1]:
                 samples.extend(decoder.decode(frame))
-    return Recording(plan, _declination(survey, plan, None), _facts(survey, plan), samples)
+    return Recording(plan, _earth_field(survey, plan, None), _facts(survey, plan), samples)
 
 
 def _survey(buffer: mmap | bytes, dialect: Dialect, progress: Callable[[float], None] | None) -> Survey:
@@ -150,16 +150,17 @@ def _share(done: int, buffer: mmap | bytes) -> float:
     return done / len(buffer)
 
 
-def _declination(survey: Survey, plan: Plan, given_deg: float | None) -> Declination | None:
-    """As given, else looked up at the vehicle's first good position, on the day of the recording."""
-    if given_deg is not None:
-        return Declination(given_deg, "given")
+def _earth_field(survey: Survey, plan: Plan, given_deg: float | None) -> LocalField | None:
+    """Looked up at the vehicle's first good position, on the day of the recording; a given declination counts more."""
     position = survey.positions.get(plan.sender[0])
-    if position is None:
-        return None
-    return declination_at(
-        position.latitude_deg, position.longitude_deg, position.altitude_m, unix_s=position.rx_ns * 1e-9
-    )
+    found = None
+    if position is not None:
+        found = field_at(
+            position.latitude_deg, position.longitude_deg, position.altitude_m, unix_s=position.rx_ns * 1e-9
+        )
+    if given_deg is None:
+        return found
+    return LocalField(given_deg, nan if found is None else found.inclination_deg, "given")
 
 
 def _facts(survey: Survey, plan: Plan) -> VehicleFacts:

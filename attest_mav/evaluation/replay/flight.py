@@ -13,7 +13,7 @@ from attest_mav.evaluation.replay.stamping import BurstStamp, Stamped
 from attest_mav.evaluation.replay.track import AttitudeTrack
 from attest_mav.evaluation.replay.weave import Weaver
 from attest_mav.filters.base import AttitudeFilter
-from attest_mav.types import NO_TIME, AttitudeSample, Estimate, ImuSample, North, Sample
+from attest_mav.types import NO_TIME, AttitudeSample, EarthField, Estimate, ImuSample, North, Sample
 
 AUTOPILOT_ROW: Final = "autopilot"
 """Name of the autopilot's own attitude among the rows."""
@@ -34,10 +34,10 @@ class Window:
 class Run:
     """One filter over the flight."""
 
-    def __init__(self, one: AttitudeFilter, imu: str, declination: float, comparison: Comparison) -> None:
+    def __init__(self, one: AttitudeFilter, imu: str, field: EarthField, comparison: Comparison) -> None:
         self.comparison: Final = comparison
         self.pipeline: Final = Pipeline(PipelineSettings(), [one], [imu])
-        self.pipeline.set_declination(declination)
+        self.pipeline.set_field(field)
         self.aligned_s = inf
         """Log time of the first estimate."""
 
@@ -45,20 +45,20 @@ class Run:
 class Flight:
     """Takes the decoded samples of one vehicle in order.
 
-    declination: rad, NaN when it is not known: then headings stay magnetic.
+    field: without a declination headings stay magnetic.
     """
 
     def __init__(
         self,
         plan: Plan,
         filters: list[AttitudeFilter],
-        declination: float,
+        field: EarthField,
         window: Window,
         rows: RowSink | None = None,
         weaver: Weaver | None = None,
     ) -> None:
         track = AttitudeTrack()
-        self.runs: Final = [Run(one, plan.imu, declination, Comparison(one.name, track, rows)) for one in filters]
+        self.runs: Final = [Run(one, plan.imu, field, Comparison(one.name, track, rows)) for one in filters]
         self.autopilot: Final = Comparison(AUTOPILOT_ROW, track, rows) if plan.autopilot is not None else None
         self._comparisons: Final = [run.comparison for run in self.runs]
         if self.autopilot is not None:

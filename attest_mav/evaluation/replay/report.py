@@ -46,13 +46,13 @@ def as_json(name: str, log_format: str, replay: Replay) -> dict[str, Any]:
 
 def _north(replay: Replay) -> dict[str, Any]:
     """What headings are referred to, and why."""
-    declination = replay.declination
-    if declination is None:
+    field = replay.earth_field
+    if field is None:
         return {"reference": "magnetic", "declination_deg": None, "source": None}
     return {
         "reference": "true",
-        "declination_deg": round(declination.degrees, DIGITS),
-        "source": declination.source,
+        "declination_deg": round(field.declination_deg, DIGITS),
+        "source": field.source,
     }
 
 
