@@ -28,13 +28,13 @@ PAPER_BETA: Final = 0.08
 
 
 def printed(with_mag: bool) -> GradientDescent:
-    """The gradient-descent filter as in its paper."""
-    return GradientDescent(beta=PAPER_BETA if with_mag else 0.5 * PAPER_BETA)
+    """The gradient-descent filter as in its paper, which knows no limits of the accelerometer."""
+    return GradientDescent(beta=PAPER_BETA if with_mag else 0.5 * PAPER_BETA, min_accel_g=0.0, max_accel_g=100.0)
 
 
-def with_options(with_mag: bool) -> GradientDescent:
-    """The gradient-descent filter with its options."""
-    return printed(with_mag)
+def with_options(_with_mag: bool) -> GradientDescent:
+    """The gradient-descent filter with its options, as docs/filters.md recommends them."""
+    return GradientDescent(beta=0.02, rest_bias=True, accel_time_s=2.5, heading_rate=0.01, field_gate=True)
 
 
 def in_place() -> VelocityAided:
