@@ -26,6 +26,9 @@ WIDTHS: Final = {"imu_gyr": 3, "imu_acc": 3, "imu_mag": 3, "opt_quat": 4}
 
 RATE: Final = "sampling_rate"
 
+DAMAGE: Final = (OSError, RuntimeError, ValueError, TypeError, LookupError, OverflowError, MemoryError, zlib.error)
+"""What the readers raise on files that are damaged, as found by damaging some."""
+
 
 @dataclass(frozen=True, eq=False)
 class Trial:
@@ -86,7 +89,7 @@ def _hdf5(file_name: str, data: bytes) -> Mapping[str, Any]:
         with h5py.File(BytesIO(data), "r") as file:
             found = {name: item[()] for name, item in file.items() if isinstance(item, h5py.Dataset)}
             return found | dict(file.attrs)
-    except (OSError, RuntimeError) as error:
+    except DAMAGE as error:
         raise UnreadableDataError(f"{file_name}: not a readable HDF5 file: {_line(error)}") from error
 
 
@@ -98,7 +101,7 @@ def _mat(file_name: str, data: bytes) -> Mapping[str, Any]:
 
     try:
         found: dict[str, Any] = loadmat(BytesIO(data))
-    except (MatReadError, NotImplementedError, OSError, ValueError, TypeError, IndexError, zlib.error) as error:
+    except (MatReadError, *DAMAGE) as error:
         raise UnreadableDataError(f"{file_name}: not a readable MAT file of version 5: {_line(error)}") from error
     return found
 
