@@ -15,7 +15,7 @@ FUSION_GAIN: Final = 0.1
 FUSION_REJECTION_DEG: Final = 40.0
 FUSION_TIMEOUT_S: Final = 5.0
 FUSION_RANGE_DEGPS: Final = 2000.0
-"""The best of some thirty settings on the even trials: gains from 0.02 to 1, rejection off and from 10 to 60 degrees."""
+"""The best of some thirty settings on the even trials: gains from 0.02 to 1, rejection off or at 10 to 60 degrees."""
 
 
 def vqf(trial: Trial, with_mag: bool) -> Array:
