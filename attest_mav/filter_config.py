@@ -38,6 +38,10 @@ class GradientDescentConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=T
     reference_dip_deg: Literal["estimate"] | Annotated[float, Meta(ge=-90.0, le=90.0)] = "estimate"
     min_accel_g: Annotated[float, Meta(ge=0.0, le=1.0)] = _GRADIENT_DESCENT.min_accel_g
     max_accel_g: Annotated[float, Meta(ge=1.0, le=100.0)] = _GRADIENT_DESCENT.max_accel_g
+    rest_bias: bool = _GRADIENT_DESCENT.rest_bias
+    accel_time_s: Annotated[float, Meta(ge=0.0, le=60.0)] = _GRADIENT_DESCENT.accel_time_s
+    heading_rate: Annotated[float, Meta(ge=0.0, le=10.0)] = _GRADIENT_DESCENT.heading_rate
+    field_gate: bool = _GRADIENT_DESCENT.field_gate
 
     def build(self) -> AttitudeFilter:
         """The filter with these parameters."""

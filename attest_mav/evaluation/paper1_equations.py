@@ -12,7 +12,8 @@ import numpy as np
 
 from attest_mav.evaluation.motion import Array
 from attest_mav.filters.base import Aids, Start
-from attest_mav.filters.gradient_descent import FixedField, GradientDescent, full_gradient, gravity_gradient
+from attest_mav.filters.gradient_descent import FixedField, GradientDescent
+from attest_mav.filters.gradients import full_gradient, gravity_gradient
 from attest_mav.types import G_MPS2, ImuSample, North, Quat, Vec3
 
 GRAVITY: Final = np.array([0.0, 0.0, 1.0])

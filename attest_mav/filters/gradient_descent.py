@@ -5,21 +5,21 @@ between the gravity and field directions that the attitude predicts and those th
 are the paper's; docs/filters.md says how its misprints are mended.
 
 The filter takes the accelerometer for gravity. It is at home at rest and under brief disturbances; in a sustained
-turn it leans with the vehicle.
+turn it leans with the vehicle. Four options, none of them the paper's, help it in a hand: see ``GradientDescent``.
 """
 
 from dataclasses import dataclass
-from math import sqrt
+from math import isnan, sqrt
 from typing import Final, cast
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import dot, down_in_body, norm, q_exp, q_mul, q_norm, q_unit, scale, sub
+from attest_mav.algebra import dot, down_in_body, norm, q_exp, q_mul, q_unit, scale, sub
 from attest_mav.filters.base import MAX_CORRECTION_DT_S, Aids, AttitudeFilter, FilterState, Start
+from attest_mav.filters.gradient_options import Learned, prepared, taught, untaught, without_mag
+from attest_mav.filters.gradients import descended, field_misfit, full_gradient, gravity_gradient
+from attest_mav.filters.heading_step import headed, heading_error
 from attest_mav.types import G_MPS2, ImuSample, Quat, Vec3
-
-MIN_GRADIENT: Final = 1e-9
-"""Below this length the gradient has no direction: no correction is made."""
 
 MAX_FIELD: Final = 1e9
 """A magnetometer reading of this length or more is not a field (NaN and infinity fail the same test)."""
@@ -58,6 +58,17 @@ class GradientDescentState(FilterState):
         self.field_residual: Final = field_residual
 
 
+@mypyc_attr(acyclic=True, free_list_len=1)
+class OptionState(GradientDescentState):
+    """State of a filter with an option, with what each has learned. A heading with its own step has no residual."""
+
+    def __init__(self, plain: GradientDescentState, q_nb: Quat, mag_used: bool, learned: Learned) -> None:
+        super().__init__(
+            q_nb, learned.rest.bias, plain.accel_used, mag_used, plain.gravity_residual, plain.field_residual
+        )
+        self.learned: Final = learned
+
+
 @dataclass(frozen=True)
 class GradientDescent(AttitudeFilter):
     """Parameters; the defaults are the simplified form (31).
@@ -71,6 +82,13 @@ class GradientDescent(AttitudeFilter):
     field: the reference field; None takes it from the estimate, so that the field cannot tilt the attitude.
     min_accel_g, max_accel_g: the accelerometer is used while its length is between them, in g. Without it the field is
     not used either: alone it would tilt the attitude.
+
+    The options, for what is held in a hand; they change what the step is given, docs/filters.md has what each is worth:
+
+    rest_bias: learn the gyro's bias at rest. accel_time_s: low-pass the accelerometer in almost inertial axes with this
+    time constant, s; the limits in g are then those of the outcome; 0 is off. heading_rate: correct the heading by a
+    step of its own, rad/s (an angle, which must exceed the gyro's bias), and leave the tilt to the accelerometer; 0 is
+    off. field_gate: use the magnetometer only while its strength and dip are the usual ones.
     """
 
     beta: float = 0.033
@@ -80,6 +98,10 @@ class GradientDescent(AttitudeFilter):
     field: FixedField | None = None
     min_accel_g: float = 0.5
     max_accel_g: float = 1.5
+    rest_bias: bool = False
+    accel_time_s: float = 0.0
+    heading_rate: float = 0.0
+    field_gate: bool = False
 
     @property
     def name(self) -> str:
@@ -89,11 +111,19 @@ class GradientDescent(AttitudeFilter):
     def initial(self, start: Start) -> GradientDescentState:
         """Start from the alignment."""
         zero = (0.0, 0.0, 0.0)
-        return GradientDescentState(start.q_nb, start.gyro_bias, False, False, zero, zero)
+        plain = GradientDescentState(start.q_nb, start.gyro_bias, False, False, zero, zero)
+        if not (self.rest_bias or self.accel_time_s > 0.0 or self.heading_rate > 0.0 or self.field_gate):
+            return plain
+        return OptionState(plain, start.q_nb, False, untaught(start))
 
     def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: Aids) -> GradientDescentState:
         """One step of (31), or of (26)-(30) with ``full_fusion``. Without a usable gyro the attitude is held."""
-        before = cast("GradientDescentState", state)
+        if isinstance(state, OptionState):
+            return self._step_with_options(state, dt_s, sample)
+        return self._plain_step(cast("GradientDescentState", state), dt_s, sample)
+
+    def _plain_step(self, before: GradientDescentState, dt_s: float, sample: ImuSample) -> GradientDescentState:
+        """The step of the paper."""
         q, bias = before.q_nb, before.gyro_bias
         none: Vec3 = (0.0, 0.0, 0.0)
         gyro = sub(sample.gyro, bias)
@@ -120,6 +150,27 @@ class GradientDescent(AttitudeFilter):
         q = descended(turned, full_gradient(q, f_g, f_b, b_x, b_z), distance)
         return GradientDescentState(q, bias, True, True, f_g, f_b)
 
+    def _step_with_options(self, before: OptionState, dt_s: float, sample: ImuSample) -> OptionState:
+        """The paper's step, given what the options make of the sample, and the heading's own behind it."""
+        none: Vec3 = (0.0, 0.0, 0.0)
+        if not dot(sample.gyro, sample.gyro) < MAX_RATE_SQ:
+            held = GradientDescentState(before.q_nb, none, False, False, none, none)
+            return OptionState(held, before.q_nb, False, before.learned)
+        time_s, gate = self.accel_time_s, self.field_gate
+        learned = taught(before.learned, before.q_nb, sample, dt_s, self.rest_bias, time_s, gate)
+        fed = prepared(learned, sample, time_s, gate)
+        unbiased = GradientDescentState(before.q_nb, none, False, False, none, none)
+        mag = fed.mag
+        if self.heading_rate == 0.0 or mag is None:
+            plain = self._plain_step(unbiased, dt_s, fed)
+            return OptionState(plain, plain.q_nb, plain.mag_used, learned)
+        plain = self._plain_step(unbiased, dt_s, without_mag(fed))
+        error = heading_error(plain.q_nb, mag)
+        if isnan(error):
+            return OptionState(plain, plain.q_nb, False, learned)
+        q = headed(plain.q_nb, error, self.heading_rate, min(dt_s, MAX_CORRECTION_DT_S))
+        return OptionState(plain, q, True, learned)
+
     def _reference_field(self, down: Vec3, direction: Vec3) -> tuple[float, float]:
         """(b_x, b_z) of the reference field: fixed, or eq. (20), the measured field levelled by the estimate.
 
@@ -142,52 +193,3 @@ class GradientDescent(AttitudeFilter):
         """1 - gamma of (30). Once (28) and (29) are written out, (26) is (31) with both its terms times this."""
         step_rate = self.alpha * 0.5 * norm(gyro)
         return 1.0 - self.beta / (step_rate + self.beta) if step_rate + self.beta > 0.0 else 1.0
-
-
-def descended(q: Quat, gradient: Quat, distance: float) -> Quat:
-    """q moved so far down the gradient, (12), and normalised; without a gradient there is no way to go."""
-    slope = q_norm(gradient)
-    k = distance / slope if slope >= MIN_GRADIENT else 0.0
-    return q_unit((q[0] - k * gradient[0], q[1] - k * gradient[1], q[2] - k * gradient[2], q[3] - k * gradient[3]))
-
-
-def gravity_gradient(q: Quat, f_g: Vec3) -> Quat:
-    """J_g^T f_g, eqs. (13) and (19)."""
-    q1, q2, q3, q4 = q
-    u_x, u_y, u_z = 2.0 * f_g[0], 2.0 * f_g[1], 4.0 * f_g[2]
-    return (
-        q2 * u_y - q3 * u_x,
-        q4 * u_x + q1 * u_y - q2 * u_z,
-        q4 * u_y - q1 * u_x - q3 * u_z,
-        q2 * u_x + q3 * u_y,
-    )
-
-
-def field_misfit(q: Quat, down: Vec3, direction: Vec3, b_x: float, b_z: float) -> Vec3:
-    """f_b, eq. (22): predicted minus measured field direction (unit, body). ``down`` is that of q, in the body.
-
-    The field is b_x times north plus b_z times down; north in body axes is the first row of C(q).
-    """
-    q1, q2, q3, q4 = q
-    x = 2.0 * b_x
-    return (
-        x * (0.5 - q3 * q3 - q4 * q4) + b_z * down[0] - direction[0],
-        x * (q2 * q3 - q1 * q4) + b_z * down[1] - direction[1],
-        x * (q1 * q3 + q2 * q4) + b_z * down[2] - direction[2],
-    )
-
-
-def full_gradient(q: Quat, f_g: Vec3, f_b: Vec3, b_x: float, b_z: float) -> Quat:
-    """J_g^T f_g + J_b^T f_b, eqs. (19), (23) and (25).
-
-    As the field is b_x north + b_z down, J_b = b_x J_n + b_z J_g, and the sum is J_g^T (f_g + b_z f_b) + J_n^T b_x f_b.
-    """
-    q1, q2, q3, q4 = q
-    u_x, u_y, u_z = 2.0 * (f_g[0] + b_z * f_b[0]), 2.0 * (f_g[1] + b_z * f_b[1]), 4.0 * (f_g[2] + b_z * f_b[2])
-    v_x, v_y, v_z = 4.0 * b_x * f_b[0], 2.0 * b_x * f_b[1], 2.0 * b_x * f_b[2]
-    return (
-        q2 * u_y - q3 * u_x + q3 * v_z - q4 * v_y,
-        q4 * u_x + q1 * u_y - q2 * u_z + q3 * v_y + q4 * v_z,
-        q4 * u_y - q1 * u_x - q3 * u_z - q3 * v_x + q2 * v_y + q1 * v_z,
-        q2 * u_x + q3 * u_y - q4 * v_x - q1 * v_y + q2 * v_z,
-    )

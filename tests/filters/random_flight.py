@@ -11,6 +11,7 @@ import sys
 from attest_mav import algebra
 from attest_mav.algebra import q_exp, q_heading, q_mul, q_unit, rotate_back
 from attest_mav.filters.base import Aids, Start
+from attest_mav.filters.gradient_descent import GradientDescent
 from attest_mav.filters.registry import default_filter
 from attest_mav.types import ImuSample, North, VelocitySample
 
@@ -21,7 +22,10 @@ EVERY = 100
 def attitudes(name, seed):
     """A body that turns at random, with readings that are noisy, sometimes absent, and sometimes far off."""
     rng = random.Random(seed)
-    chosen = default_filter(name)
+    if name == "gradient-descent with options":
+        chosen = GradientDescent(beta=0.02, rest_bias=True, accel_time_s=2.5, heading_rate=0.01, field_gate=True)
+    else:
+        chosen = default_filter(name)
     truth, rate, speed = q_heading(0.5), (0.0, 0.0, 0.0), 10.0
     state = chosen.initial(Start(truth, (0.0, 0.0, 0.0), North.MAGNETIC, (0.0, 0.0, -9.81), None))
     t_ns, fix = 0, None

@@ -37,7 +37,9 @@ def flown(name, *, interpreted):
 @pytest.mark.skipif(
     algebra.__file__.endswith(".py"), reason="the core is not compiled here: there is nothing to compare"
 )
-@pytest.mark.parametrize("name", ["gradient-descent", "robust-adaptive", "leveling", "velocity-aided"])
+@pytest.mark.parametrize(
+    "name", ["gradient-descent", "gradient-descent with options", "robust-adaptive", "leveling", "velocity-aided"]
+)
 def test_a_hundred_thousand_steps_agree(name):
     compiled, core = flown(name, interpreted=False)
     interpreted, source = flown(name, interpreted=True)

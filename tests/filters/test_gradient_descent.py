@@ -11,14 +11,8 @@ from hypothesis import strategies as st
 from attest_mav.algebra import down_in_body, heading_between, q_from_euler, tilt_between
 from attest_mav.evaluation.paper1_equations import identity_gap, jacobian_gap, misfit
 from attest_mav.filters.base import Aids, Start
-from attest_mav.filters.gradient_descent import (
-    FixedField,
-    GradientDescent,
-    GradientDescentState,
-    field_misfit,
-    full_gradient,
-    gravity_gradient,
-)
+from attest_mav.filters.gradient_descent import FixedField, GradientDescent, GradientDescentState
+from attest_mav.filters.gradients import field_misfit, full_gradient, gravity_gradient
 from attest_mav.types import G_MPS2, ImuSample, North
 
 Q = q_from_euler(0.1, -0.2, 0.3)
