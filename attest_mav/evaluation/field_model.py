@@ -48,6 +48,22 @@ def field_at(latitude_deg: float, longitude_deg: float, altitude_m: float, unix_
     return LocalField(float(field.d), float(field.i), f"{model.model} at {place} in {year:.1f}{remark}")
 
 
+def simulated_field_at(latitude_deg: float, longitude_deg: float) -> LocalField | None:
+    """The field there in ArduPilot's simulator, None off its table.
+
+    Its world has the field of a coarse table, of one year, that pymavlink carries too: up to a degree from the model's.
+    """
+    # Its other half would import pymavlink's mavutil, but only when called.
+    from pymavlink.mavextra import get_mag_field_ef  # noqa: PLC0415
+
+    found = get_mag_field_ef(latitude_deg, longitude_deg)
+    if found is None:
+        return None
+    declination_deg, inclination_deg, _ = found
+    place = f"{latitude_deg:.3f}, {longitude_deg:.3f}"
+    return LocalField(declination_deg, inclination_deg, f"the table of ArduPilot's simulator at {place}")
+
+
 def _model_year(year: float) -> tuple[float, str]:
     """The year to look the field up for, and a remark when it is not the year of the log."""
     if year < PLAUSIBLE_YEAR:

@@ -14,6 +14,7 @@ from attest_mav.estimation.alignment import ecompass
 from attest_mav.evaluation.broad.trial import Trial
 from attest_mav.evaluation.motion import Array, multiply
 from attest_mav.filters.base import Aids, AttitudeFilter, Start
+from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.filters.gradient_descent import GradientDescent
 from attest_mav.filters.velocity_aided import VelocityAided
 from attest_mav.types import ImuSample, Vec3
@@ -37,9 +38,14 @@ def with_options(_with_mag: bool) -> GradientDescent:
     return GradientDescent(beta=0.02, rest_bias=True, accel_time_s=2.5, heading_rate=0.01, field_gate=True)
 
 
+SENSOR: Final = FlightParameters(low_pass_hz=64.0, mag_delay_s=0.01, hard_iron=0.005)
+"""What the flight filter must know of the data set's sensor: that its inertial readings come 3.5 ms late, as behind a
+low-pass of 64 Hz, its magnetometer's 10 ms, and that it is well calibrated."""
+
+
 def in_place() -> VelocityAided:
-    """The flight filter for motion that stays in place."""
-    return VelocityAided()
+    """The flight filter without a velocity; nothing says that the sensor is under way, so it stays in place."""
+    return VelocityAided(SENSOR)
 
 
 def attitudes(chosen: AttitudeFilter, trial: Trial, with_mag: bool) -> Array:

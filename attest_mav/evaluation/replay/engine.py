@@ -12,11 +12,11 @@ from mmap import mmap
 from typing import Final
 
 from attest_mav.errors import UnreadableDataError
-from attest_mav.evaluation.field_model import LocalField, field_at
+from attest_mav.evaluation.field_model import LocalField, field_at, simulated_field_at
 from attest_mav.evaluation.replay.comparison import RowSink
 from attest_mav.evaluation.replay.facts import fact_notes, facts_of
 from attest_mav.evaluation.replay.flight import Flight, Window
-from attest_mav.evaluation.replay.plan import Plan, make_plan, suitable_filter
+from attest_mav.evaluation.replay.plan import Plan, in_simulator, make_plan, suitable_filter
 from attest_mav.evaluation.replay.survey import Survey
 from attest_mav.evaluation.replay.weave import ByteSink, Weaver
 from attest_mav.filters.base import AttitudeFilter, VehicleFacts
@@ -25,7 +25,7 @@ from attest_mav.logs.tlog import TlogReader, read_windows
 from attest_mav.mavlink.decoding import Decoder, of_message
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.encoding import Encoder
-from attest_mav.types import EarthField, Sample
+from attest_mav.types import EarthField, PositionSample, Sample
 
 OUR_COMPONENT: Final = 193
 """The component id of woven messages, the daemon's default."""
@@ -151,16 +151,19 @@ def _share(done: int, buffer: mmap | bytes) -> float:
 
 
 def _earth_field(survey: Survey, plan: Plan, given_deg: float | None) -> LocalField | None:
-    """Looked up at the vehicle's first good position, on the day of the recording; a given declination counts more."""
+    """Looked up at the vehicle's first good position, for the world it flew in; a given declination counts more."""
     position = survey.positions.get(plan.sender[0])
-    found = None
-    if position is not None:
-        found = field_at(
-            position.latitude_deg, position.longitude_deg, position.altitude_m, unix_s=position.rx_ns * 1e-9
-        )
+    found = None if position is None else _field_at(position, in_simulator(survey, plan.sender))
     if given_deg is None:
         return found
     return LocalField(given_deg, nan if found is None else found.inclination_deg, "given")
+
+
+def _field_at(position: PositionSample, simulated: bool) -> LocalField:
+    """In the simulator's world, or in this one on the day of the recording."""
+    place = (position.latitude_deg, position.longitude_deg)
+    found = simulated_field_at(*place) if simulated else None
+    return found or field_at(*place, position.altitude_m, unix_s=position.rx_ns * 1e-9)
 
 
 def _facts(survey: Survey, plan: Plan) -> VehicleFacts:

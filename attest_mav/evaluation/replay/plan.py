@@ -4,11 +4,18 @@ from dataclasses import dataclass
 from typing import Final
 
 from attest_mav.errors import UnreadableDataError, UsageError
-from attest_mav.evaluation.replay.survey import IMU_MESSAGES, NAMED_REFERENCES, REFERENCE_MESSAGES, Sender, Survey
+from attest_mav.evaluation.replay.survey import (
+    IMU_MESSAGES,
+    NAMED_REFERENCES,
+    REFERENCE_MESSAGES,
+    TRUTH_MESSAGES,
+    Sender,
+    Survey,
+)
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.registry import default_filter
 from attest_mav.mavlink.imu_choice import preferred_messages
-from attest_mav.mavlink.units import unit_row
+from attest_mav.mavlink.units import ARDUPILOT, unit_row
 
 FULL_SHARE: Final = 0.9
 """A message that is this nearly as frequent as the most frequent one is as good as that one."""
@@ -61,6 +68,11 @@ def make_plan(survey: Survey, imu: str | None, reference: str | None) -> Plan:
 def suitable_filter(survey: Survey, sender: Sender) -> AttitudeFilter:
     """The filter for who names none: the one for flight where the receiver gives a velocity, else the hardiest."""
     return default_filter("velocity-aided" if sender[0] in survey.velocities else "gradient-descent")
+
+
+def in_simulator(survey: Survey, sender: Sender) -> bool:
+    """True for a flight in ArduPilot's simulator, which tells its truth."""
+    return survey.autopilot(sender) == ARDUPILOT and _first_present(survey, sender, TRUTH_MESSAGES) is not None
 
 
 def _choose_sender(survey: Survey, imu: str | None) -> Sender:

@@ -11,7 +11,9 @@ from attest_mav.types import HeartbeatSample, ParameterSample, PositionSample, V
 
 IMU_MESSAGES: Final = ("RAW_IMU", "SCALED_IMU", "HIGHRES_IMU", "SCALED_IMU2", "SCALED_IMU3")
 """What a filter can run on."""
-REFERENCE_MESSAGES: Final = ("SIM_STATE", "SIMSTATE", "ATTITUDE_QUATERNION", "ATTITUDE")
+TRUTH_MESSAGES: Final = ("SIM_STATE", "SIMSTATE")
+"""Of a simulator."""
+REFERENCE_MESSAGES: Final = (*TRUTH_MESSAGES, "ATTITUDE_QUATERNION", "ATTITUDE")
 """In the order in which they are chosen: a simulator's truth before the autopilot's opinion."""
 NAMED_REFERENCES: Final = (*REFERENCE_MESSAGES, "AHRS2")
 """What can be named as reference."""

@@ -47,7 +47,8 @@ def beginning(
         known_fixes, compass, air = before.fixes, before.compass, before.air
     fixes = resumed(known_fixes, begin.by_velocity)
     force = specific_force(motion, reading.accel)
-    strapdown = Strapdown(reading.gyro, reading.accel, force, 0.0, 0.0, begun(t_ns))
+    zero: Vec3 = (0.0, 0.0, 0.0)
+    strapdown = Strapdown(reading.gyro, reading.accel, zero, zero, 0.0, force, 0.0, 0.0, begun(t_ns))
     rest = Rest(reading.gyro, reading.accel, 0.0, 0.0)
     return Flying(motion, strapdown, fixes, compass, rest, air, north, declined, Aid.COASTING)
 

@@ -19,17 +19,19 @@ class FlightParameters:
     mag_delay_s, mag_delay_sigma: lag of the magnetometer, estimated from there. RAW_IMU repeats a 10 Hz mean.
     declination_sigma: of the declination at the place, and of how the compass is mounted, rad.
     hard_iron: what calibration leaves of the magnetometer's bias, per axis, gauss; hard_iron_walk: its drift.
-    gyro_bias_sigma: at the start, rad/s. accel_bias_sigma: m/s^2; 0 leaves the accelerometer's bias out.
+    gyro_bias_sigma: at the start, rad/s. gyro_scale_sigma: of the gyro's scale, a share.
+    accel_bias_sigma: m/s^2; 0 leaves the accelerometer's bias out.
     speed_noise: of the airspeed along the nose, and of zero sideways and downwards, where a wing flies, m/s per
     root Hz.
 
     Of the process:
 
-    gyro_noise: rad per root s. accel_noise: m/s per root s. gyro_bias_walk: rad/s per root s. Too small and the
-    filter cannot follow the warming gyro; too large and the heading wanders with every disturbance of the field.
-    accel_bias_walk: m/s^2 per root s. gyro_aliasing, accel_aliasing: share of the change between two samples that
-    the trapezoid may have missed; the largest change is remembered for aliasing_hold_s. They make sigma tell the
-    truth at 4 Hz; too small and a fast manoeuvre between samples goes unnoticed.
+    gyro_noise: rad per root s, and gyro_rate_noise: as much for each rad/s of rate. accel_noise: m/s per root s.
+    gyro_bias_walk: rad/s per root s. Too small and the filter cannot follow the warming gyro; too large and the heading
+    wanders with every disturbance of the field. accel_bias_walk: m/s^2 per root s. gyro_aliasing, accel_aliasing: share
+    of the bend of the readings (their second difference) that may have been missed between two samples; the largest is
+    remembered for aliasing_hold_s. They make sigma tell the truth at 4 Hz; too small and a fast manoeuvre between
+    samples goes unnoticed.
 
     Of the measurements:
 
@@ -38,13 +40,14 @@ class FlightParameters:
     for their errors are the same. velocity_gate: sigmas beyond which the variance is inflated until the residual
     lies on the gate.
     mag_sigma, mag_floor, mag_ceiling: the same three for the magnetometer, as a share of the field. mag_jitter_s: of
-    the time of a reading. mag_knee: sigmas
-    from which its variance grows with the residual (paper 2, eq. (16)). mag_gate: sigmas from which it is rejected.
+    the time of a reading. mag_spacing_s: readings that come faster are skipped. mag_knee: sigmas from which its
+    variance grows with the residual (paper 2, eq. (16)). mag_gate: sigmas from which it is rejected.
     disturbance_free: deviation of the field's strength or dip, as a share, that is no disturbance.
     disturbance_weight: how much of a visible disturbance is believed to lie across the heading; it is remembered
     for disturbance_hold_s.
     rest_floor: what rest tells of the gyro's bias at best, rad/s: an int16 of 1 mrad/s hides less.
     gravity_noise: of the horizontal acceleration of a vehicle whose velocity is not known, m/s^2 per root Hz.
+    place_noise: of zero velocity where the motion stays in place, m/s per root Hz.
     coast_s: how long a lost velocity is carried on before anything is put in its place.
     restart_nis: mean normalised innovation squared of the velocity above which the attitude is given up.
 
@@ -72,7 +75,7 @@ class FlightParameters:
     accel_noise: float = 0.02
     gyro_bias_walk: float = 2e-4
     accel_bias_walk: float = 1e-4
-    gyro_aliasing: float = 0.35
+    gyro_aliasing: float = 0.2
     accel_aliasing: float = 0.1
     aliasing_hold_s: float = 2.0
     velocity_sigma: float = 0.25

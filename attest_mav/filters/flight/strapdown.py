@@ -1,7 +1,7 @@
-"""Dead reckoning between measurements: attitude and velocity from the gyro and the accelerometer, by the trapezoid.
+"""Dead reckoning between measurements: attitude and velocity from the gyro and the accelerometer.
 
 Telemetry samples a filtered sensor now and then, so what happened between two samples is unknown in proportion to how
-much they differ. That difference, remembered for a while, is the noise of the step: it scales itself with rate and
+sharply the readings bend. That bend, remembered for a while, is the noise of the step: it scales itself with rate and
 motion, and at 4 Hz it is what keeps sigma honest.
 """
 
@@ -36,17 +36,36 @@ SATURATED_ACCEL: Final = 20.0
 """m/s^2: the same for the accelerometer, and for one that cannot be read."""
 
 
+UNEVEN: Final = 1.5
+"""Steps are even while neither is longer than the other by this factor."""
+
+
 @mypyc_attr(acyclic=True)
 class Strapdown:
     """What dead reckoning remembers from one sample to the next.
 
-    gyro, accel: the last readings, rad/s and m/s^2. force: the last specific force in NED, m/s^2. unrest_w, unrest_f:
-    the remembered largest changes between samples. track: the recent velocity gains.
+    gyro, accel: the last readings, rad/s and m/s^2. change_w, change_f: their differences from those before. dt_s: the
+    step between. force: the last specific force in NED, m/s^2. unrest_w, unrest_f: the remembered largest bends. track:
+    the recent velocity gains.
     """
 
-    def __init__(self, gyro: Vec3, accel: Vec3, force: Vec3, unrest_w: float, unrest_f: float, track: Track) -> None:
+    def __init__(
+        self,
+        gyro: Vec3,
+        accel: Vec3,
+        change_w: Vec3,
+        change_f: Vec3,
+        dt_s: float,
+        force: Vec3,
+        unrest_w: float,
+        unrest_f: float,
+        track: Track,
+    ) -> None:
         self.gyro: Final = gyro
         self.accel: Final = accel
+        self.change_w: Final = change_w
+        self.change_f: Final = change_f
+        self.dt_s: Final = dt_s
         self.force: Final = force
         self.unrest_w: Final = unrest_w
         self.unrest_f: Final = unrest_f
@@ -91,7 +110,8 @@ def advanced(
     motion: Motion, memory: Strapdown, reading: Reading, dt_s: float, t_ns: int, settings: FlightParameters
 ) -> tuple[Motion, Strapdown]:
     """Motion and memory ``dt_s`` later, at the reading taken then."""
-    rate = rate_of(motion, scale(add(memory.gyro, reading.gyro), 0.5))
+    shape = _shape(memory, reading, dt_s)
+    rate = rate_of(motion, sub(scale(add(memory.gyro, reading.gyro), 0.5), shape.arch))
     before = q_to_matrix(motion.q_nb)
     q_nb = q_unit(q_mul(motion.q_nb, q_exp(scale(rate, 0.5 * dt_s))))
     after = q_to_matrix(q_nb)
@@ -99,26 +119,52 @@ def advanced(
     push = scale(add(memory.force, force), 0.5 * dt_s)
     velocity = add(motion.velocity, (push[0], push[1], push[2] + settings.gravity * dt_s))
     turn: Mat3 = mat_scale(mat_add(before, after), 0.5 * dt_s)
-    unrest_w, unrest_f = _unrest(memory, reading, dt_s, settings)
-    growth = Growth(
-        (settings.gyro_noise + settings.gyro_rate_noise * norm(rate)) ** 2 * dt_s
+    fade = exp(-dt_s / settings.aliasing_hold_s)
+    unrest_w = max(SATURATED_RATE if reading.saturated else shape.bend_w, fade * memory.unrest_w)
+    unrest_f = max(SATURATED_ACCEL if reading.saturated else shape.bend_f, fade * memory.unrest_f)
+    growth = _growth(norm(rate), unrest_w, unrest_f, dt_s, settings)
+    track = longer(memory.track, t_ns, push)
+    after_step = Strapdown(
+        reading.gyro, reading.accel, shape.change_w, shape.change_f, dt_s, force, unrest_w, unrest_f, track
+    )
+    return moved(motion, q_nb, velocity, turn, push, rate, growth), after_step
+
+
+@mypyc_attr(acyclic=True)
+class Shape:
+    """How the readings go on: their changes, how sharply they bend (second differences), and ``arch``.
+
+    arch: what the trapezoid has too much of a rate that bends evenly, rad/s: the three-point rule of Adams and Moulton
+    is (5 w2 + 8 w1 - w0) / 12.
+    """
+
+    def __init__(self, change_w: Vec3, change_f: Vec3, bend_w: float, bend_f: float, arch: Vec3) -> None:
+        self.change_w: Final = change_w
+        self.change_f: Final = change_f
+        self.bend_w: Final = bend_w
+        self.bend_f: Final = bend_f
+        self.arch: Final = arch
+
+
+def _shape(memory: Strapdown, reading: Reading, dt_s: float) -> Shape:
+    """The shape at this reading. Uneven steps have no rule of three points."""
+    change_w, change_f = sub(reading.gyro, memory.gyro), sub(reading.accel, memory.accel)
+    bend = sub(change_w, memory.change_w)
+    even = UNEVEN * dt_s > memory.dt_s > dt_s / UNEVEN
+    arch: Vec3 = scale(bend, 1.0 / 12.0) if even else (0.0, 0.0, 0.0)
+    return Shape(change_w, change_f, norm(bend), norm(sub(change_f, memory.change_f)), arch)
+
+
+def _growth(rate: float, unrest_w: float, unrest_f: float, dt_s: float, settings: FlightParameters) -> Growth:
+    """The noise of a step at this rate, rad/s."""
+    return Growth(
+        (settings.gyro_noise + settings.gyro_rate_noise * rate) ** 2 * dt_s
         + (settings.gyro_aliasing * unrest_w * dt_s) ** 2,
         settings.accel_noise**2 * dt_s + (settings.accel_aliasing * unrest_f * dt_s) ** 2,
         settings.gyro_bias_walk**2 * dt_s,
         settings.accel_bias_walk**2 * dt_s if settings.accel_bias_sigma > 0.0 else 0.0,
         settings.hard_iron_walk**2 * dt_s if settings.hard_iron > 0.0 else 0.0,
     )
-    track = longer(memory.track, t_ns, push)
-    after_step = Strapdown(reading.gyro, reading.accel, force, unrest_w, unrest_f, track)
-    return moved(motion, q_nb, velocity, turn, push, rate, growth), after_step
-
-
-def _unrest(memory: Strapdown, reading: Reading, dt_s: float, settings: FlightParameters) -> tuple[float, float]:
-    """How much gyro and accelerometer change between samples at the most, as far back as is remembered."""
-    fade = exp(-dt_s / settings.aliasing_hold_s)
-    change_w = SATURATED_RATE if reading.saturated else norm(sub(reading.gyro, memory.gyro))
-    change_f = SATURATED_ACCEL if reading.saturated else norm(sub(reading.accel, memory.accel))
-    return (max(change_w, fade * memory.unrest_w), max(change_f, fade * memory.unrest_f))
 
 
 def turned_memory(memory: Strapdown, motion: Motion) -> Strapdown:
@@ -126,6 +172,9 @@ def turned_memory(memory: Strapdown, motion: Motion) -> Strapdown:
     return Strapdown(
         memory.gyro,
         memory.accel,
+        memory.change_w,
+        memory.change_f,
+        memory.dt_s,
         specific_force(motion, memory.accel),
         memory.unrest_w,
         memory.unrest_f,
