@@ -146,6 +146,16 @@ def test_without_one_an_honest_autopilot_is_not_accused(scenario):
     assert flight.first_disagreement_s() == inf
 
 
+@pytest.mark.parametrize("scenario", ["coordinated-turns", "square"])
+def test_a_first_fix_in_flight_is_no_shock(scenario):
+    flight = fly(50.0, "velocity-aided", scenario=scenario, first_fix_s=30.0)
+    tilt, heading = flight.worst(from_s=31.0)
+    assert tilt < 0.6
+    assert heading < 1.2
+    assert flight.kinds() == [LaneEventKind.ALIGNED]
+    assert flight.first_disagreement_s() == inf
+
+
 def test_a_frozen_attitude_is_told():
     flight = fly(20.0, scenario="tumbling", faults=Faults(attitude_frozen=(12.0, inf)))
     assert 12.0 < flight.first_disagreement_s() < 12.2

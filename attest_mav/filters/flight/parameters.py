@@ -68,7 +68,7 @@ class FlightParameters:
     hard_iron_walk: float = 1e-4
     gyro_bias_sigma: float = radians(0.3)
     gyro_scale_sigma: float = 0.006
-    accel_bias_sigma: float = 0.05
+    accel_bias_sigma: float = 0.1
     speed_noise: float = 4.0
     gyro_noise: float = 1e-4
     gyro_rate_noise: float = 2e-3
@@ -93,7 +93,7 @@ class FlightParameters:
     mag_gate: float = 4.0
     disturbance_free: float = 0.02
     disturbance_weight: float = 3.0
-    disturbance_hold_s: float = 10.0
+    disturbance_hold_s: float = 30.0
     rest_floor: float = 6e-4
     gravity_noise: float = 3.0
     place_noise: float = 0.35
