@@ -66,7 +66,11 @@ def test_table_shows_the_autopilots_own_row_and_what_everything_refers_to(attest
     code, out, err = attest_mav("replay", LAPS, *ON_BRIEF_LOGS)
     assert code == 0
     assert err == ""
-    for part in ("SIM_STATE, 1000 samples", "RAW_IMU, 1000 samples at 50.0 Hz", "true; declination +1.30 deg, WMM"):
+    for part in (
+        "SIM_STATE, 1000 samples",
+        "RAW_IMU, 1000 samples at 50.0 Hz",
+        "true; declination +0.66 deg, the table of ArduPilot",
+    ):
         assert part in out
     assert "velocity-aided" in out
     own = next(line for line in out.splitlines() if "autopilot's ATTITUDE" in line)

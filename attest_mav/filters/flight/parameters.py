@@ -67,8 +67,8 @@ class FlightParameters:
     hard_iron: float = 0.010
     hard_iron_walk: float = 1e-4
     gyro_bias_sigma: float = radians(0.3)
-    gyro_scale_sigma: float = 0.006
-    accel_bias_sigma: float = 0.1
+    gyro_scale_sigma: float = 0.004
+    accel_bias_sigma: float = 0.09
     speed_noise: float = 4.0
     gyro_noise: float = 1e-4
     gyro_rate_noise: float = 2e-3

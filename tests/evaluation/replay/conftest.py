@@ -10,7 +10,7 @@ from attest_mav.mavlink.encoding import Encoder
 START_NS = 1_780_000_000_000_000_000
 """Arrival of the first message: in 2026."""
 PLACE = {"fix_type": 3, "lat": 518_731_000, "lon": 1_710_000, "alt": 50_000, "time_usec": 0}
-"""Where the shared simulator flights start; the declination there is about 1.3 degrees."""
+"""Where the shared simulator flights start; the declination there is 1.3 degrees, in the simulator's world 0.66."""
 
 
 class LogBuilder:

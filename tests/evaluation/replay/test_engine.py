@@ -53,14 +53,28 @@ def test_the_object_has_the_keys_of_the_contract(log):
 def test_a_wrong_autopilot_is_seen_beside_a_right_filter(log):
     log.heartbeat()
     log.place()
-    log.still_flight(3.0, yaw_deg=1.3, own_roll_deg=3.0)
+    log.still_flight(3.0, yaw_deg=0.66, own_roll_deg=3.0)
     result = report(log)
     assert result["north"]["reference"] == "true"
-    assert result["north"]["declination_deg"] == pytest.approx(1.3, abs=0.1)
+    assert result["north"]["declination_deg"] == pytest.approx(0.66, abs=0.01)
+    assert "ArduPilot's simulator" in result["north"]["source"]
     assert result["filters"][0]["tilt_deg"]["max"] == pytest.approx(0.0, abs=1e-3)
     assert result["filters"][0]["heading_deg"]["max"] == pytest.approx(0.0, abs=0.1)
     assert result["autopilot"]["tilt_deg"]["rms"] == pytest.approx(3.0, abs=1e-4)
     assert result["autopilot"]["heading_deg"]["max"] == pytest.approx(0.0, abs=1e-4)
+
+
+def test_a_log_of_a_real_flight_has_the_field_of_its_day(log):
+    log.heartbeat()
+    log.place()
+    for k in range(151):
+        log.attitude(1000 + 20 * k, yaw_deg=1.3)
+        log.imu(1000 + 20 * k)
+    result = report(log)
+    assert result["reference"]["message"] == "ATTITUDE"
+    assert result["north"]["declination_deg"] == pytest.approx(1.3, abs=0.1)
+    assert result["north"]["source"].startswith("WMM")
+    assert result["filters"][0]["heading_deg"]["max"] == pytest.approx(0.0, abs=0.1)
 
 
 def test_a_given_declination_is_taken(log):
