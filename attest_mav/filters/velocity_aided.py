@@ -86,7 +86,8 @@ class VelocityAidedState(FilterState):
         if flown is None:
             return "just aligned" if self.aligned else ""
         if flown.aid == Aid.VELOCITY:
-            return f"velocity from {flown.fixes.source}"
+            # Those that an alignment was made of are not the filter's rows: the first of these tells the source.
+            return f"velocity from {flown.fixes.source}" if flown.fixes.source else "just aligned"
         return f"no velocity: {_substitute(flown.aid)}"
 
     @property

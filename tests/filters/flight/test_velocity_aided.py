@@ -221,6 +221,25 @@ def test_a_wrong_attitude_is_given_up(plane_log):
     assert rms(tilt[-1000:]) < 0.3
 
 
+def test_a_wild_fix_now_and_then_does_not_cost_the_attitude(plane_log):
+    def wild(k, sample, aids):
+        v = aids.velocity
+        if not (1200 <= k < 1400 and k // 10 % 5 == 0):  # one fix in five
+            return sample, aids
+        return sample, with_aids(aids, velocity=VelocitySample(v.source, 1, 1, v.t_ns, 0, (650.0, 0.0, 0.0), False))
+
+    states = changed(plane_log, wild).run(last=1500)
+    assert all(s.aligned for s in states[1200:])
+    tilt, heading = plane_log.errors(states)
+    assert np.nanmax(tilt[1200:]) < 1.5
+    assert np.nanmax(np.abs(heading[1200:])) < 1.5
+
+
+def test_a_start_in_motion_names_the_velocity_once_it_has_a_row(plane_log):
+    texts = list(dict.fromkeys(s.rests_on for s in plane_log.run(first=1500, last=1700)))
+    assert texts == ["", "just aligned", "velocity from GPS_RAW_INT"]
+
+
 def test_a_split_run_is_a_whole_one_bit_for_bit(plane_log):
     whole = plane_log.run(last=1500)
     head = plane_log.run(last=700)
