@@ -23,6 +23,8 @@ from attest_mav.types import Mat3, Quat, Vec3, VelocitySample
 
 MIN_BASE_S: Final = 0.45
 """Two fixes this far apart give a direction."""
+LEAST_FORCE: Final = 1.0
+"""m/s^2: a mean specific force below this (gravity's is ten) has no direction: free fall, or a dead accelerometer."""
 GAIN_SIGMA: Final = 0.12
 """m/s: of the velocity gained between two fixes, in each axis."""
 FIELD_SIGMA: Final = 0.03
@@ -182,7 +184,8 @@ def outcome(so_far: Alignment, declination: float, dip: float, settings: FlightP
     fit = fitted(pairs) if pairs else None
     if fit is not None and (_good(fit, settings) or so_far.waited_s > settings.align_patience_s):
         return _by_velocity(so_far, fit, settings)
-    if so_far.waited_s > settings.align_patience_s:
+    felt = norm(so_far.track.head.gain) > LEAST_FORCE * so_far.waited_s
+    if felt and so_far.waited_s > settings.align_patience_s:
         return _by_gravity(so_far, so_far.track.head.gain, declination, GUESSED_TILT, GUESSED_HEADING)
     return None
 
@@ -231,11 +234,11 @@ def _pairs(so_far: Alignment, declination: float, dip: float, settings: FlightPa
     base_ns = int(1e9 * MIN_BASE_S)
     if len(fixes) < 2 or fixes[-1].t_ns - fixes[0].t_ns < base_ns:
         return []
-    pairs = [_gained(fixes[0], fixes[-1], settings)]
+    pairs = _gained(fixes[0], fixes[-1], settings)
     link = fixes[0]
     for fix in fixes[1:]:
         if fix.t_ns - link.t_ns >= base_ns:
-            pairs.append(_gained(link, fix, settings))
+            pairs += _gained(link, fix, settings)
             link = fix
     if so_far.fields > 0 and isfinite(dip) and norm(so_far.field) > 0.0:
         world = (cos(dip) * cos(declination), cos(dip) * sin(declination), sin(dip))
@@ -243,12 +246,14 @@ def _pairs(so_far: Alignment, declination: float, dip: float, settings: FlightPa
     return pairs
 
 
-def _gained(first: Fix, last: Fix, settings: FlightParameters) -> Pair:
-    """The velocity gained between two fixes, less gravity's share. An unknown vertical part points up."""
+def _gained(first: Fix, last: Fix, settings: FlightParameters) -> list[Pair]:
+    """The velocity gained between two fixes, less gravity's share; none in free fall. An unknown vertical is up."""
     u = sub(last.gain, first.gain)
     x, y, z = sub(last.v_ned, first.v_ned)
     z -= settings.gravity * (last.t_ns - first.t_ns) * 1e-9
     length = norm(u)
     if not (first.vertical_known and last.vertical_known):
         z = -sqrt(max(0.0, length * length - x * x - y * y))
-    return Pair(unit(u), unit((x, y, z)), 2.0 * (GAIN_SIGMA / length) ** 2)
+    if min(length, norm((x, y, z))) < LEAST_FORCE * (last.t_ns - first.t_ns) * 1e-9:
+        return []
+    return [Pair(unit(u), unit((x, y, z)), 2.0 * (GAIN_SIGMA / length) ** 2)]

@@ -289,6 +289,22 @@ def test_an_accelerometer_without_a_value_is_bridged(plane_log):
     assert rms(tilt[1500:]) < 1.0
 
 
+@pytest.mark.parametrize("has_fixes", [True, False])
+def test_a_dead_accelerometer_gives_no_attitude_and_does_no_harm(plane_log, has_fixes):
+    """An accelerometer of zeros in flight, from the start or later: nothing is claimed until it comes back."""
+
+    def dead(k, sample, aids):
+        aids = aids if has_fixes else with_aids(aids, velocity=None)
+        return (with_reading(sample, accel=(0.0, 0.0, 0.0)) if k < 2000 else sample), aids
+
+    states = changed(plane_log, dead).run(first=1500, last=3000)
+    assert not any(s.aligned for s in states[:500])
+    assert states[-1].aligned
+    if has_fixes:
+        tilt, _ = plane_log.errors(states, first=1500)
+        assert np.nanmax(tilt[-250:]) < 3.0
+
+
 def test_before_anything_it_says_nothing(plane_log):
     sample = plane_log.samples[0]
     state = VelocityAided().initial(
