@@ -29,6 +29,8 @@ from attest_mav.types import ImuSample, North, Quat, Vec3
 
 LONGEST_STEP_S: Final = 1.0
 """After a longer gap the attitude is lost, and alignment begins again."""
+TILT_LOST: Final = 0.6
+"""rad: with a tilt less certain than this the rows are not linear in the error any more, and lead astray."""
 NORTH_LOST: Final = 0.5
 """rad: with a heading less certain than this there is no north."""
 
@@ -185,8 +187,8 @@ class VelocityAided(AttitudeFilter):
         flying = flown(flying, reading, sample, aids, dt_s, settings)
         if not is_sound(flying.motion):
             return self._waiting(before.q_nb, (0.0, 0.0, 0.0), started(reading, sample.t_ns), None, 0.0)
-        if flying.fixes.mean_nis > settings.restart_nis:
-            # The velocity contradicts the attitude for too long.
+        if flying.fixes.mean_nis > settings.restart_nis or flying.motion.tilt_sigma > TILT_LOST:
+            # The velocity contradicts the attitude for too long, or too much was hidden by a saturated sensor.
             return self._waiting(before.q_nb, flying.motion.gyro_bias, started(reading, sample.t_ns), flying, 0.0)
         return self._shown(flying, before.q_nb)
 
