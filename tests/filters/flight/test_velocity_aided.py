@@ -235,6 +235,27 @@ def test_a_wild_fix_now_and_then_does_not_cost_the_attitude(plane_log):
     assert np.nanmax(np.abs(heading[1200:])) < 1.5
 
 
+def test_fixes_that_freeze_lead_astray_but_sigma_says_so(plane_log):
+    """A receiver that repeats one velocity makes an attitude of its own: it is shown with doubt, until that fades."""
+
+    def frozen(k, sample, aids):
+        v = aids.velocity
+        if not 3000 <= k < 3800:
+            return sample, aids
+        still = VelocitySample(v.source, 1, 1, v.t_ns, 0, (20.0, 0.0, 0.0), False)
+        return sample, with_aids(aids, velocity=still)
+
+    states = changed(plane_log, frozen).run(last=5500)
+    tilt, heading = plane_log.errors(states)
+    after = [k for k in range(3000, 5500) if states[k].aligned and states[k].doubt > 0.0]
+    assert max(tilt[after]) > 20.0
+    assert np.nanmean([tilt[k] < 3.0 * degrees(states[k].tilt_sigma) for k in after]) > 0.99
+    assert np.nanmean([abs(heading[k]) < 3.0 * degrees(states[k].heading_sigma) for k in after]) > 0.99
+    assert not any(VelocityAided().valid(states[k]) for k in after if tilt[k] > 3.0)
+    assert rms(tilt[-500:]) < 0.3
+    assert degrees(states[-1].tilt_sigma) < 5.0
+
+
 def test_a_start_in_motion_names_the_velocity_once_it_has_a_row(plane_log):
     texts = list(dict.fromkeys(s.rests_on for s in plane_log.run(first=1500, last=1700)))
     assert texts == ["", "just aligned", "velocity from GPS_RAW_INT"]
