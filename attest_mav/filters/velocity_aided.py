@@ -28,11 +28,11 @@ from attest_mav.algebra import (
     tilt_between,
 )
 from attest_mav.filters.base import Aids, AttitudeFilter, FilterState, Start, VehicleFacts
-from attest_mav.filters.flight.alignment import Alignment, continued, outcome, started
+from attest_mav.filters.flight.alignment import GUESSED_TILT, Alignment, continued, outcome, started
 from attest_mav.filters.flight.beginning import beginning, redeclined
 from attest_mav.filters.flight.compass import field_of
 from attest_mav.filters.flight.fixes import low_pass_delay_s
-from attest_mav.filters.flight.flying import Aid, Flying, flown
+from attest_mav.filters.flight.flying import Aid, Flying, flown, is_wing_flying
 from attest_mav.filters.flight.motion import Motion, is_sound, rate_of
 from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.filters.flight.strapdown import MAX_RATE, Reading, read
@@ -44,7 +44,8 @@ TILT_LOST: Final = 0.6
 """rad: with a tilt less certain than this the rows are not linear in the error any more, and lead astray."""
 DOUBT_S: Final = 10.0
 """When fixes contradict an attitude and make another one of their own, either may be wrong: a receiver can freeze. The
-difference is doubt, which fades with this time constant while the fixes agree with what they made."""
+difference is doubt, which fades with this time constant while the fixes agree with what they made. An attitude that
+was guessed in motion begins with doubt too."""
 NORTH_LOST: Final = 0.5
 """rad: with a heading less certain than this there is no north."""
 
@@ -218,7 +219,9 @@ class VelocityAided(AttitudeFilter):
             # The velocity contradicts the attitude for too long, or too much was hidden by a saturated sensor.
             bias, begun = flying.motion.gyro_bias, started(reading, sample.t_ns)
             return self._waiting(before.q_nb, bias, begun, flying, 0.0, contested, before.doubt)
-        fade = exp(-dt_s / DOUBT_S) if flying.fixes.mean_nis < 1.0 else 1.0
+        # A wing's air speed holds an attitude, but does not find one: circling, it agrees with a wrong one for minutes.
+        fades = flying.fixes.mean_nis < 1.0 and flying.aid != Aid.AIRSPEED
+        fade = exp(-dt_s / DOUBT_S) if fades else 1.0
         return self._shown(flying, before.q_nb, fade * before.doubt)
 
     def _aligning(
@@ -239,7 +242,9 @@ class VelocityAided(AttitudeFilter):
             so_far = started(reading, sample.t_ns)
         else:
             new = field_of(sample) if sample.mag != so_far.mag else None
-            so_far = continued(so_far, reading, sample.mag, new, aids.velocity, bias, dt_s, sample.t_ns, settings)
+            fix = aids.velocity
+            flies = not aids.in_place and is_wing_flying(aids)
+            so_far = continued(so_far, reading, sample.mag, new, fix, flies, bias, dt_s, sample.t_ns, settings)
         dip = aids.inclination
         if not isfinite(dip) and flying is not None:
             dip = asin(clamp(flying.compass.dip, -1.0, 1.0))
@@ -253,7 +258,7 @@ class VelocityAided(AttitudeFilter):
             q_nb = q_mul(before.q_nb, q_exp(turn))
             return self._waiting(q_nb, bias, so_far, flying, gap_s, contested, before.doubt)
         begun = beginning(begin, flying, reading, sample.t_ns, bias, aids.declination, gap_s, settings)
-        doubt = before.doubt
+        doubt = max(before.doubt, GUESSED_TILT) if begin.guessed else before.doubt
         if contested and flying is not None:
             doubt = max(doubt, _contradiction(begun.motion, before.q_nb, flying.motion))
         return self._shown(begun, before.q_nb, doubt)

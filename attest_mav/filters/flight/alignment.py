@@ -113,6 +113,11 @@ class Begin:
         self.velocity_sigma: Final = velocity_sigma
         self.by_velocity: Final = by_velocity
 
+    @property
+    def guessed(self) -> bool:
+        """True when it takes acceleration for gravity."""
+        return not self.by_velocity and self.velocity_sigma == GUESSED_SPEED
+
 
 def started(reading: Reading, t_ns: int) -> Alignment:
     """The alignment that begins at this sample; its axes are the body's."""
@@ -126,6 +131,7 @@ def continued(
     mag: Vec3 | None,
     field: Vec3 | None,
     fix: VelocitySample | None,
+    under_way: bool,
     bias: Vec3,
     dt_s: float,
     t_ns: int,
@@ -133,7 +139,8 @@ def continued(
 ) -> Alignment:
     """The alignment after one more sample.
 
-    mag: as received, gauss; field: as used, None unless it is new. bias: of the gyro, as far as it is known, rad/s.
+    mag: as received, gauss; field: as used, None unless it is new. under_way: known without a fix, by an air speed:
+    a wing in a climb is as quiet as one at rest. bias: of the gyro, as far as it is known, rad/s.
     """
     rate = sub(scale(add(so_far.gyro, reading.gyro), 0.5), bias)
     turned = q_unit(q_mul(so_far.turned, q_exp(scale(rate, 0.5 * dt_s))))
@@ -145,7 +152,7 @@ def continued(
         then = q_mul(turned, q_exp(scale(rate, -0.5 * settings.mag_delay_s)))
         field_sum, fields = add(field_sum, rotate(then, unit(field))), fields + 1
     still = norm(sub(reading.gyro, bias)) < STILL_RATE and abs(norm(reading.accel) - settings.gravity) < STILL_ACCEL
-    if fix is not None and norm(fix.v_ned) > MAX_SPEED:
+    if under_way if fix is None else norm(fix.v_ned) > MAX_SPEED:
         still = False
     return Alignment(
         turned,

@@ -256,6 +256,18 @@ def test_fixes_that_freeze_lead_astray_but_sigma_says_so(plane_log):
     assert degrees(states[-1].tilt_sigma) < 5.0
 
 
+@pytest.mark.parametrize("airspeed", [True, False])
+def test_a_start_in_motion_without_a_velocity_is_a_guess_and_says_so(circles, telemetry, airspeed):
+    """A wing that circles feels its own axis for gravity: the attitude is 40 degrees wrong, and sigma has to say it."""
+    flight = telemetry(circles, airspeed=airspeed)
+    states = changed(flight, lambda _, s, a: (s, with_aids(a, velocity=None))).run(first=500)
+    tilt, _ = flight.errors(states, first=500)
+    shown = [k for k, s in enumerate(states) if s.aligned]
+    assert not any(VelocityAided().valid(states[k]) for k in shown if tilt[k] > 3.0)
+    if airspeed:
+        assert np.mean([tilt[k] < 3.0 * degrees(states[k].tilt_sigma) for k in shown]) > 0.99
+
+
 def test_a_start_in_motion_names_the_velocity_once_it_has_a_row(plane_log):
     texts = list(dict.fromkeys(s.rests_on for s in plane_log.run(first=1500, last=1700)))
     assert texts == ["", "just aligned", "velocity from GPS_RAW_INT"]
