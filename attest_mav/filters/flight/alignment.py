@@ -152,7 +152,8 @@ def continued(
         then = q_mul(turned, q_exp(scale(rate, -0.5 * settings.mag_delay_s)))
         field_sum, fields = add(field_sum, rotate(then, unit(field))), fields + 1
     still = norm(sub(reading.gyro, bias)) < STILL_RATE and abs(norm(reading.accel) - settings.gravity) < STILL_ACCEL
-    if under_way if fix is None else norm(fix.v_ned) > MAX_SPEED:
+    moves = under_way if fix is None else norm(fix.v_ned) > MAX_SPEED
+    if moves:
         still = False
     return Alignment(
         turned,
