@@ -51,6 +51,7 @@ class Lane:
         self._field = FieldMonitor()
         self._aligned = False
         self._is_frozen = False
+        self._frozen_s = 0.0
 
     @property
     def aligned(self) -> bool:
@@ -79,13 +80,15 @@ class Lane:
             return events
         self.samples += 1
         if self._freeze.frozen(sample, step.dt_s):
-            self._hold_frozen(sample, events)
+            self._hold_frozen(sample, step.dt_s, events)
             return events
-        self._is_frozen = False
+        # A filter that aligns itself has to know how long it has not seen the motion.
+        dt_s = step.dt_s + self._frozen_s
+        self._is_frozen, self._frozen_s = False, 0.0
         if not self._field.usable(sample, norm(sample.gyro) * step.dt_s, step.dt_s) and sample.mag is not None:
             sample = without_field(sample)
         self.aiding.advance(sample, step.dt_s)
-        self._step(sample, step.dt_s, events)
+        self._step(sample, dt_s, events)
         if not self._aligned:
             self._align(sample, step.dt_s, events)
         self._estimate(sample, step, events)
@@ -122,8 +125,9 @@ class Lane:
             self._delay = DelayMeter()
         self._tell(events, kind, sample, text)
 
-    def _hold_frozen(self, sample: ImuSample, events: list[Event]) -> None:
+    def _hold_frozen(self, sample: ImuSample, dt_s: float, events: list[Event]) -> None:
         self.frozen += 1
+        self._frozen_s += dt_s
         if not self._is_frozen:
             self._is_frozen = True
             self._restart(sample, events, LaneEventKind.FROZEN, "the sensor repeats one reading: samples ignored")

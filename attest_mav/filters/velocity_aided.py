@@ -10,25 +10,42 @@ docs/flight.md has the equations, and what each part is worth.
 """
 
 from dataclasses import dataclass, field, replace
-from math import asin, isfinite, nan, pi
+from math import asin, exp, hypot, isfinite, nan, pi
 from typing import Final, cast
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import clamp, is_finite, norm, q_continuous, q_exp, q_mul, scale, sub
+from attest_mav.algebra import (
+    clamp,
+    heading_between,
+    is_finite,
+    norm,
+    q_continuous,
+    q_exp,
+    q_mul,
+    scale,
+    sub,
+    tilt_between,
+)
 from attest_mav.filters.base import Aids, AttitudeFilter, FilterState, Start, VehicleFacts
-from attest_mav.filters.flight.alignment import Alignment, continued, outcome, started
+from attest_mav.filters.flight.alignment import GUESSED_TILT, Alignment, continued, outcome, started
 from attest_mav.filters.flight.beginning import beginning, redeclined
 from attest_mav.filters.flight.compass import field_of
 from attest_mav.filters.flight.fixes import low_pass_delay_s
-from attest_mav.filters.flight.flying import Aid, Flying, flown
-from attest_mav.filters.flight.motion import is_sound, rate_of
+from attest_mav.filters.flight.flying import Aid, Flying, flown, is_wing_flying
+from attest_mav.filters.flight.motion import Motion, is_sound, rate_of
 from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.filters.flight.strapdown import MAX_RATE, Reading, read
 from attest_mav.types import ImuSample, North, Quat, Vec3
 
 LONGEST_STEP_S: Final = 1.0
 """After a longer gap the attitude is lost, and alignment begins again."""
+TILT_LOST: Final = 0.6
+"""rad: with a tilt less certain than this the rows are not linear in the error any more, and lead astray."""
+DOUBT_S: Final = 10.0
+"""When fixes contradict an attitude and make another one of their own, either may be wrong: a receiver can freeze. The
+difference is doubt, which fades with this time constant while the fixes agree with what they made. An attitude that
+was guessed in motion begins with doubt too."""
 NORTH_LOST: Final = 0.5
 """rad: with a heading less certain than this there is no north."""
 
@@ -39,8 +56,9 @@ class VelocityAidedState(FilterState):
 
     alignment: what it has collected while it aligns, None while it flies. flying: the estimate, which an alignment
     after a gap keeps for what it knows of the sensors; None before the first. Its ``fixes`` and ``compass`` hold
-    the innovations. gap_s: time since the estimate was given up. While it aligns the sigmas are pi, and ``q_nb`` is
-    the last attitude turned on by the gyro.
+    the innovations. gap_s: time since the estimate was given up. contested: it was, because the fixes contradicted it.
+    doubt: rad, part of the sigmas, see ``DOUBT_S``. While it aligns the sigmas are pi, and ``q_nb`` is the last
+    attitude turned on by the gyro.
     """
 
     def __init__(
@@ -54,11 +72,15 @@ class VelocityAidedState(FilterState):
         alignment: Alignment | None,
         flying: Flying | None,
         gap_s: float,
+        contested: bool,
+        doubt: float,
     ) -> None:
         super().__init__(q_nb, gyro_bias, accel_used, mag_used, tilt_sigma, heading_sigma)
         self.alignment: Final = alignment
         self.flying: Final = flying
         self.gap_s: Final = gap_s
+        self.contested: Final = contested
+        self.doubt: Final = doubt
 
     @property
     def aligned(self) -> bool:
@@ -86,7 +108,8 @@ class VelocityAidedState(FilterState):
         if flown is None:
             return "just aligned" if self.aligned else ""
         if flown.aid == Aid.VELOCITY:
-            return f"velocity from {flown.fixes.source}"
+            # Those that an alignment was made of are not the filter's rows: the first of these tells the source.
+            return f"velocity from {flown.fixes.source}" if flown.fixes.source else "just aligned"
         return f"no velocity: {_substitute(flown.aid)}"
 
     @property
@@ -119,6 +142,13 @@ def _substitute(aid: Aid) -> str:
     if aid == Aid.PLACE:
         return "taken to stay in place"
     return "coasting" if aid == Aid.COASTING else "gravity only"
+
+
+def _contradiction(after: Motion, carried: Quat, before: Motion) -> float:
+    """How far a new attitude is from the old one carried on, rad; 0 while the old one's own sigmas explain it."""
+    tilt, heading = tilt_between(after.q_nb, carried), abs(heading_between(after.q_nb, carried))
+    explained = tilt < 3.0 * before.tilt_sigma and heading < 3.0 * before.heading_sigma
+    return 0.0 if explained else max(tilt, heading)
 
 
 @dataclass(frozen=True)
@@ -165,7 +195,7 @@ class VelocityAided(AttitudeFilter):
 
     def initial(self, start: Start) -> VelocityAidedState:
         """Begin to align. The start's attitude is only shown until the filter has its own; its bias is taken."""
-        return VelocityAidedState(start.q_nb, start.gyro_bias, False, False, pi, pi, None, None, 0.0)
+        return VelocityAidedState(start.q_nb, start.gyro_bias, False, False, pi, pi, None, None, 0.0, False, 0.0)
 
     def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: Aids) -> VelocityAidedState:
         """One step; ``dt_s`` may be longer than 1 s: then alignment begins again."""
@@ -183,11 +213,16 @@ class VelocityAided(AttitudeFilter):
             return self._aligning(before, flying, reading, sample, aids, dt_s)
         flying = flown(flying, reading, sample, aids, dt_s, settings)
         if not is_sound(flying.motion):
-            return self._waiting(before.q_nb, (0.0, 0.0, 0.0), started(reading, sample.t_ns), None, 0.0)
-        if flying.fixes.mean_nis > settings.restart_nis:
-            # The velocity contradicts the attitude for too long.
-            return self._waiting(before.q_nb, flying.motion.gyro_bias, started(reading, sample.t_ns), flying, 0.0)
-        return self._shown(flying, before.q_nb)
+            return self._waiting(before.q_nb, (0.0, 0.0, 0.0), started(reading, sample.t_ns), None, 0.0, False, 0.0)
+        contested = flying.fixes.mean_nis > settings.restart_nis
+        if contested or flying.motion.tilt_sigma > TILT_LOST:
+            # The velocity contradicts the attitude for too long, or too much was hidden by a saturated sensor.
+            bias, begun = flying.motion.gyro_bias, started(reading, sample.t_ns)
+            return self._waiting(before.q_nb, bias, begun, flying, 0.0, contested, before.doubt)
+        # A wing's air speed holds an attitude, but does not find one: circling, it agrees with a wrong one for minutes.
+        fades = flying.fixes.mean_nis < 1.0 and flying.aid != Aid.AIRSPEED
+        fade = exp(-dt_s / DOUBT_S) if fades else 1.0
+        return self._shown(flying, before.q_nb, fade * before.doubt)
 
     def _aligning(
         self,
@@ -202,11 +237,14 @@ class VelocityAided(AttitudeFilter):
         settings = self.parameters
         bias = before.gyro_bias
         so_far = before.alignment
+        contested = before.contested and dt_s <= LONGEST_STEP_S
         if so_far is None or dt_s > LONGEST_STEP_S:
             so_far = started(reading, sample.t_ns)
         else:
             new = field_of(sample) if sample.mag != so_far.mag else None
-            so_far = continued(so_far, reading, sample.mag, new, aids.velocity, bias, dt_s, sample.t_ns, settings)
+            fix = aids.velocity
+            flies = not aids.in_place and is_wing_flying(aids)
+            so_far = continued(so_far, reading, sample.mag, new, fix, flies, bias, dt_s, sample.t_ns, settings)
         dip = aids.inclination
         if not isfinite(dip) and flying is not None:
             dip = asin(clamp(flying.compass.dip, -1.0, 1.0))
@@ -217,17 +255,28 @@ class VelocityAided(AttitudeFilter):
         gap_s = before.gap_s + dt_s
         if begin is None:
             turn = scale(sub(reading.gyro, bias), 0.5 * min(dt_s, LONGEST_STEP_S))
-            return self._waiting(q_mul(before.q_nb, q_exp(turn)), bias, so_far, flying, gap_s)
+            q_nb = q_mul(before.q_nb, q_exp(turn))
+            return self._waiting(q_nb, bias, so_far, flying, gap_s, contested, before.doubt)
         begun = beginning(begin, flying, reading, sample.t_ns, bias, aids.declination, gap_s, settings)
-        return self._shown(begun, before.q_nb)
+        doubt = max(before.doubt, GUESSED_TILT) if begin.guessed else before.doubt
+        if contested and flying is not None:
+            doubt = max(doubt, _contradiction(begun.motion, before.q_nb, flying.motion))
+        return self._shown(begun, before.q_nb, doubt)
 
     def _waiting(
-        self, q_nb: Quat, bias: Vec3, so_far: Alignment, flying: Flying | None, gap_s: float
+        self,
+        q_nb: Quat,
+        bias: Vec3,
+        so_far: Alignment,
+        flying: Flying | None,
+        gap_s: float,
+        contested: bool,
+        doubt: float,
     ) -> VelocityAidedState:
         """The state of an alignment that is not over."""
-        return VelocityAidedState(q_nb, bias, False, False, pi, pi, so_far, flying, gap_s)
+        return VelocityAidedState(q_nb, bias, False, False, pi, pi, so_far, flying, gap_s, contested, doubt)
 
-    def _shown(self, flying: Flying, previous: Quat) -> VelocityAidedState:
+    def _shown(self, flying: Flying, previous: Quat, doubt: float) -> VelocityAidedState:
         """The state that shows this estimate: the attitude now, not the one that the low-passed sensors see."""
         motion = flying.motion
         rate = rate_of(motion, flying.strapdown.gyro)
@@ -237,9 +286,11 @@ class VelocityAided(AttitudeFilter):
             motion.gyro_bias,
             flying.aid == Aid.GRAVITY,
             flying.compass.used,
-            motion.tilt_sigma,
-            motion.heading_sigma,
+            hypot(motion.tilt_sigma, doubt),
+            hypot(motion.heading_sigma, doubt),
             None,
             flying,
             0.0,
+            False,
+            doubt,
         )

@@ -55,7 +55,7 @@ class ImuLane:
             return self._refuse("it carries no accelerometer and no gyro (all zero)")
         saturated = row.integer and (_largest(accel) >= SATURATED_RAW or _largest(gyro) >= SATURATED_RAW)
         rates = (gyro[0] * row.gyro, gyro[1] * row.gyro, gyro[2] * row.gyro)
-        has_field = self._is_fresh(field, t_ns, rates) and field_sent
+        has_field = row.has_field and self._is_fresh(field, t_ns, rates) and field_sent
         settled = self._accel_check.passed and (self._field_check.passed or not has_field)
         mag: Vec3 | None = None
         if has_field:

@@ -35,7 +35,8 @@ class UnitRow:
 
     integer: the fields are int16, which have a range to saturate. field_powers: factors by which the magnetometer is
     known to come out wrong; the start-up check chooses among them, and none but 1 is taken without saying so.
-    independent: the numbers owe nothing to the autopilot's estimator. note: what a user should know.
+    independent: the numbers owe nothing to the autopilot's estimator. has_field: the magnetometer is in the axes of the
+    body, and calibrated. note: what a user should know.
     """
 
     accel: float
@@ -44,6 +45,7 @@ class UnitRow:
     integer: bool
     field_powers: tuple[float, ...] = (1.0,)
     independent: bool = True
+    has_field: bool = True
     note: str = ""
 
 
@@ -58,7 +60,12 @@ class RawScales:
 
 _SCALED: Final = UnitRow(MILLI_G, MILLI, MILLI, integer=True)
 _SCALED_PX4: Final = UnitRow(
-    MILLI_G, MILLI, MILLI, integer=True, note="the magnetometer is uncalibrated and in its own frame"
+    MILLI_G,
+    MILLI,
+    MILLI,
+    integer=True,
+    has_field=False,
+    note="its magnetometer is uncalibrated and in its own frame, and not used",
 )
 _RAW_ARDUPILOT: Final = UnitRow(
     MILLI_G, MILLI, MILLI, integer=True, note="calibrated and low-passed by the autopilot, in spite of its name"

@@ -8,6 +8,7 @@ from attest_mav.algebra import heading_between, q_from_euler, q_norm, q_to_euler
 from attest_mav.estimation.events import Agreement, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.filters.gradient_descent import GradientDescent
+from attest_mav.filters.velocity_aided import VelocityAided
 from attest_mav.types import G_MPS2, EarthField, Estimate, HeartbeatSample, ImuSample, North
 
 DT = 0.02
@@ -150,6 +151,17 @@ def test_a_frozen_sensor_is_found_and_released(pipeline, imu):
     assert len(estimates(stuck)) == pytest.approx(1.0 / DT, abs=2)
     free = run(pipeline, still(imu, 4.0, 5.0))
     assert kinds(free) == [LaneEventKind.ALIGNED]
+
+
+def test_after_a_frozen_sensor_a_filter_that_aligns_itself_begins_anew(imu):
+    """What it had before is as old as the freeze was long, however certain it was."""
+    pipeline = Pipeline(PipelineSettings(), [VelocityAided()])
+    run(pipeline, still(imu, 0.0, 3.0))
+    run(pipeline, still(imu, 3.0, 8.0, rate=0.3))
+    free = run(pipeline, still(imu, 8.0, 10.0, yaw=radians(80.0)))
+    assert kinds(free) == [LaneEventKind.RESTARTED, LaneEventKind.ALIGNED]
+    for estimate in estimates(free):
+        assert abs(heading_between(estimate.q_nb, q_from_euler(0.0, 0.0, radians(80.0)))) < radians(2.0)
 
 
 def test_a_magnetometer_that_vanishes_is_said_after_ten_seconds(pipeline, imu):

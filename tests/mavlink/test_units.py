@@ -70,11 +70,11 @@ SCALED = [
 ]
 
 
-def assert_milli(sample):
+def assert_milli(sample, has_field=True):
     """mG, mrad/s and mgauss, from the numbers above."""
     assert sample.accel == pytest.approx((0.1 * G, -0.2 * G, -0.95 * G), rel=1e-12)
     assert sample.gyro == pytest.approx((0.010, -0.020, 0.030), rel=1e-12)
-    assert sample.mag == pytest.approx((0.210, -0.040, 0.430), rel=1e-12)
+    assert sample.mag == (pytest.approx((0.210, -0.040, 0.430), rel=1e-12) if has_field else None)
     assert not sample.saturated
 
 
@@ -110,7 +110,7 @@ def test_configured_scales_do_not_touch_ardupilot(vehicle):
 def test_scaled_imu_is_milli_units_everywhere(vehicle, autopilot, message):
     samples = vehicle(autopilot).hear_often(lambda number: scaled(message, number))
     assert len(samples) == 5
-    assert_milli(samples[0])
+    assert_milli(samples[0], has_field=autopilot != PX4)
     assert samples[0].source == message.msgname
     assert [sample.t_ns for sample in samples] == [1_000_000_000 + 20_000_000 * i for i in range(5)]
 
@@ -141,6 +141,14 @@ def test_the_same_field_from_px4_is_refused_not_corrected(vehicle):
     assert [sample.mag for sample in samples] == [None] * 5
     assert "magnetometer reads 562500 gauss" in px4.decoder.refusals["HIGHRES_IMU magnetometer"]
     assert "0.15 to 0.75" in px4.decoder.refusals["HIGHRES_IMU magnetometer"]
+
+
+def test_the_field_in_scaled_imu_of_px4_is_none(vehicle):
+    """It is in the axes of the compass, with the vehicle's own field: a heading from it is wrong by any angle."""
+    samples = vehicle(PX4).hear_often(lambda number: scaled(SCALED[0], number))
+    assert [sample.mag for sample in samples] == [None] * 5
+    samples = vehicle(ARDUPILOT).hear_often(lambda number: scaled(SCALED[0], number))
+    assert None not in [sample.mag for sample in samples]
 
 
 def test_only_px4s_highres_imu_depends_on_its_estimator(vehicle):

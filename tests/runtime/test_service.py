@@ -5,6 +5,7 @@ import re
 
 import pytest
 
+from attest_mav.estimation.events import Agreement
 from attest_mav.mavlink.encoding import Encoder
 from attest_mav.runtime.status import StatusLine
 from attest_mav.sim.settings import PERFECT, Faults, SimSettings
@@ -78,6 +79,19 @@ def test_the_autopilot_decides_what_is_asked_for(flight, personality, message):
     stream = f.service.companion.data.imu
     assert (stream.name, stream.answer) == (message, "accepted")
     assert stream.achieved_hz == pytest.approx(50.0, abs=1.0)
+
+
+@pytest.mark.parametrize("scenario", ["hover", "coordinated-turns"])
+def test_without_a_usable_field_the_heading_of_px4_is_found_in_flight(flight, caplog, scenario):
+    """SCALED_IMU's magnetometer is in axes of its own. Until motion has told the heading nobody is judged by it."""
+    caplog.set_level("INFO", "attest_mav")
+    f = flight("", sim(scenario, personality="px4"))
+    f.run_until(30.0)
+    tilt, heading = f.errors_deg(20.0)
+    assert tilt < 0.8
+    assert heading < 3.0
+    assert f.service.pipeline.verdict.agreement == Agreement.AGREE
+    assert not [text for text in caplog.messages if "DISAGREES" in text]
 
 
 def test_what_is_not_independent_is_said(flight):

@@ -210,3 +210,14 @@ def test_a_saturated_imu_is_not_believed():
         assert sum(c * c for c in estimate.q_nb) == pytest.approx(1.0, abs=1e-9)
     # A gyro at 35 rad/s for 0.2 s is seven radians that did not happen; afterwards gravity and field pull it back.
     assert flight.worst(from_s=28.0)[0] < 2.0
+
+
+@pytest.mark.parametrize("scenario", ["coordinated-turns", "square"])
+def test_after_saturation_in_flight_it_aligns_again_and_nobody_is_accused(scenario):
+    """Seven radians that did not happen are not worked off row by row: the velocity gives a new attitude."""
+    flight = fly(45.0, "velocity-aided", scenario=scenario, faults=Faults(imu_saturated=(30.0, 30.3)))
+    tilt, heading = flight.worst(from_s=35.0)
+    assert tilt < 1.0
+    assert heading < 2.0
+    assert flight.kinds() == [LaneEventKind.ALIGNED, LaneEventKind.RESTARTED, LaneEventKind.ALIGNED]
+    assert flight.first_disagreement_s() == inf

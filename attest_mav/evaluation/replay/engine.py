@@ -7,7 +7,7 @@ Nothing grows with the log but the columns of errors and of intervals.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from math import nan
+from math import inf, nan
 from mmap import mmap
 from typing import Final
 
@@ -233,7 +233,9 @@ def _notes(survey: Survey, plan: Plan, decoder: Decoder, flight: Flight) -> tupl
         named = ", ".join(f"{system}/{component}" for system, component in others)
         notes.append(f"the log has other autopilots too ({named}); this is {plan.sender[0]}/{plan.sender[1]}")
     if plan.reference is not None and not any(run.comparison.errors.samples for run in flight.runs):
-        notes.append(f"nothing was compared: no {plan.reference} at the times of the samples that count")
+        lost = all(run.aligned_s == inf for run in flight.runs)
+        lack = "no filter found an attitude" if lost else f"no {plan.reference} at the times of the samples that count"
+        notes.append(f"nothing was compared: {lack}")
     tilt = None if flight.autopilot is None else flight.autopilot.errors.tilt()
     if tilt is not None and tilt.max == 0.0:
         notes.append(f"{plan.autopilot} repeats {plan.reference}: this autopilot flew on the simulator's truth")

@@ -23,6 +23,8 @@ from attest_mav.types import Mat3, Quat, Vec3, VelocitySample
 
 MIN_BASE_S: Final = 0.45
 """Two fixes this far apart give a direction."""
+LEAST_FORCE: Final = 1.0
+"""m/s^2: a mean specific force below this (gravity's is ten) has no direction: free fall, or a dead accelerometer."""
 GAIN_SIGMA: Final = 0.12
 """m/s: of the velocity gained between two fixes, in each axis."""
 FIELD_SIGMA: Final = 0.03
@@ -111,6 +113,11 @@ class Begin:
         self.velocity_sigma: Final = velocity_sigma
         self.by_velocity: Final = by_velocity
 
+    @property
+    def guessed(self) -> bool:
+        """True when it takes acceleration for gravity."""
+        return not self.by_velocity and self.velocity_sigma == GUESSED_SPEED
+
 
 def started(reading: Reading, t_ns: int) -> Alignment:
     """The alignment that begins at this sample; its axes are the body's."""
@@ -124,6 +131,7 @@ def continued(
     mag: Vec3 | None,
     field: Vec3 | None,
     fix: VelocitySample | None,
+    under_way: bool,
     bias: Vec3,
     dt_s: float,
     t_ns: int,
@@ -131,7 +139,8 @@ def continued(
 ) -> Alignment:
     """The alignment after one more sample.
 
-    mag: as received, gauss; field: as used, None unless it is new. bias: of the gyro, as far as it is known, rad/s.
+    mag: as received, gauss; field: as used, None unless it is new. under_way: known without a fix, by an air speed:
+    a wing in a climb is as quiet as one at rest. bias: of the gyro, as far as it is known, rad/s.
     """
     rate = sub(scale(add(so_far.gyro, reading.gyro), 0.5), bias)
     turned = q_unit(q_mul(so_far.turned, q_exp(scale(rate, 0.5 * dt_s))))
@@ -143,7 +152,8 @@ def continued(
         then = q_mul(turned, q_exp(scale(rate, -0.5 * settings.mag_delay_s)))
         field_sum, fields = add(field_sum, rotate(then, unit(field))), fields + 1
     still = norm(sub(reading.gyro, bias)) < STILL_RATE and abs(norm(reading.accel) - settings.gravity) < STILL_ACCEL
-    if fix is not None and norm(fix.v_ned) > MAX_SPEED:
+    moves = under_way if fix is None else norm(fix.v_ned) > MAX_SPEED
+    if moves:
         still = False
     return Alignment(
         turned,
@@ -182,7 +192,8 @@ def outcome(so_far: Alignment, declination: float, dip: float, settings: FlightP
     fit = fitted(pairs) if pairs else None
     if fit is not None and (_good(fit, settings) or so_far.waited_s > settings.align_patience_s):
         return _by_velocity(so_far, fit, settings)
-    if so_far.waited_s > settings.align_patience_s:
+    felt = norm(so_far.track.head.gain) > LEAST_FORCE * so_far.waited_s
+    if felt and so_far.waited_s > settings.align_patience_s:
         return _by_gravity(so_far, so_far.track.head.gain, declination, GUESSED_TILT, GUESSED_HEADING)
     return None
 
@@ -231,11 +242,11 @@ def _pairs(so_far: Alignment, declination: float, dip: float, settings: FlightPa
     base_ns = int(1e9 * MIN_BASE_S)
     if len(fixes) < 2 or fixes[-1].t_ns - fixes[0].t_ns < base_ns:
         return []
-    pairs = [_gained(fixes[0], fixes[-1], settings)]
+    pairs = _gained(fixes[0], fixes[-1], settings)
     link = fixes[0]
     for fix in fixes[1:]:
         if fix.t_ns - link.t_ns >= base_ns:
-            pairs.append(_gained(link, fix, settings))
+            pairs += _gained(link, fix, settings)
             link = fix
     if so_far.fields > 0 and isfinite(dip) and norm(so_far.field) > 0.0:
         world = (cos(dip) * cos(declination), cos(dip) * sin(declination), sin(dip))
@@ -243,12 +254,14 @@ def _pairs(so_far: Alignment, declination: float, dip: float, settings: FlightPa
     return pairs
 
 
-def _gained(first: Fix, last: Fix, settings: FlightParameters) -> Pair:
-    """The velocity gained between two fixes, less gravity's share. An unknown vertical part points up."""
+def _gained(first: Fix, last: Fix, settings: FlightParameters) -> list[Pair]:
+    """The velocity gained between two fixes, less gravity's share; none in free fall. An unknown vertical is up."""
     u = sub(last.gain, first.gain)
     x, y, z = sub(last.v_ned, first.v_ned)
     z -= settings.gravity * (last.t_ns - first.t_ns) * 1e-9
     length = norm(u)
     if not (first.vertical_known and last.vertical_known):
         z = -sqrt(max(0.0, length * length - x * x - y * y))
-    return Pair(unit(u), unit((x, y, z)), 2.0 * (GAIN_SIGMA / length) ** 2)
+    if min(length, norm((x, y, z))) < LEAST_FORCE * (last.t_ns - first.t_ns) * 1e-9:
+        return []
+    return [Pair(unit(u), unit((x, y, z)), 2.0 * (GAIN_SIGMA / length) ** 2)]

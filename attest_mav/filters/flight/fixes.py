@@ -37,7 +37,7 @@ class Fixes:
 
     source: message of the last one used, "" before the first. t_ns: its time. lost_s: time since. power: mean square
     innovation, (m/s)^2. innovation: m/s, NED, each axis before its own correction. nis: its normalised square, mean of
-    the axes, without inflation. mean_nis: its remembered mean.
+    the axes, without inflation. mean_nis: its remembered mean, in which none counts for more than the gate.
     """
 
     def __init__(
@@ -132,7 +132,8 @@ def fixed(
         motion = updated(motion, row, seen, max(variance, least))
     square = (innovation[0] ** 2 + innovation[1] ** 2 + innovation[2] ** 2) / count
     power = fixes.power + POWER_SHARE * (min(square, POWER_STEP * fixes.power + 1e-6) - fixes.power)
-    mean_nis = fixes.mean_nis + NIS_SHARE * (nis - fixes.mean_nis)
+    # However wild, one fix is one contradiction: it takes several in a row to give the attitude up.
+    mean_nis = fixes.mean_nis + NIS_SHARE * (min(nis, settings.velocity_gate**2) - fixes.mean_nis)
     return motion, Fixes(fix.source, fix.t_ns, 0.0, power, mean_nis, (innovation[0], innovation[1], innovation[2]), nis)
 
 

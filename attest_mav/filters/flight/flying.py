@@ -119,13 +119,18 @@ def _speed(fix: VelocitySample | None, aids: Aids) -> float:
     return 0.0 if aids.in_place else inf
 
 
+def is_wing_flying(aids: Aids) -> bool:
+    """True when the air speed is that of a wing in flight."""
+    return aids.forward_speed > FLYING_SPEED and aids.side_speed == 0.0
+
+
 def _aid(fixes: Fixes, rest: Rest, aids: Aids, settings: FlightParameters) -> Aid:
     """What the attitude rests on now."""
     if fixes.lost_s < LOST_S:
         return Aid.VELOCITY
     if rest.resting:
         return Aid.REST
-    if aids.forward_speed > FLYING_SPEED and aids.side_speed == 0.0:
+    if is_wing_flying(aids):
         return Aid.AIRSPEED
     if not fixes.source and aids.in_place:
         return Aid.PLACE

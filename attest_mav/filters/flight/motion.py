@@ -5,7 +5,7 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import add, q_exp, q_mul, q_norm, q_unit, scale
+from attest_mav.algebra import add, clamp, q_exp, q_mul, q_norm, q_unit, scale
 from attest_mav.filters.flight.covariance import (
     Covariance,
     Growth,
@@ -18,6 +18,9 @@ from attest_mav.filters.flight.covariance import (
 )
 from attest_mav.matrices import floor_diagonal, no_negative_variance
 from attest_mav.types import Mat3, Quat, Vec3
+
+LONGEST_DELAY_S: Final = 0.4
+"""Of a magnetometer or of velocity fixes: with the age of the message it lies within the history."""
 
 
 @mypyc_attr(acyclic=True)
@@ -129,9 +132,14 @@ def _turned_to(motion: Motion, seen: Reach, gain: float, p: Covariance) -> Motio
         add(motion.gyro_scale, scale(seen.s, gain)),
         add(motion.accel_bias, scale(seen.a, gain)),
         add(motion.hard_iron, scale(seen.m, gain)),
-        add(motion.delays, scale(seen.d, gain)),
+        _possible(add(motion.delays, scale(seen.d, gain))),
         p,
     )
+
+
+def _possible(delays: Vec3) -> Vec3:
+    """The delays as they can be: what is not measured yet, or long forgotten, would match no row ever again."""
+    return (clamp(delays[0], 0.0, LONGEST_DELAY_S), clamp(delays[1], 0.0, LONGEST_DELAY_S), delays[2])
 
 
 def with_variances(motion: Motion, bias_floor: float, heading_growth: float) -> Motion:

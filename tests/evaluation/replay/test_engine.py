@@ -262,6 +262,13 @@ def test_when_nothing_could_be_compared_a_note_says_so(log):
     assert any("nothing was compared" in note for note in report(log, window=Window(skip_s=60.0))["notes"])
 
 
+def test_a_filter_that_found_no_attitude_is_not_put_down_to_the_reference(log):
+    log.heartbeat()
+    log.still_flight(3.0)
+    notes = report(log, window=Window(end_s=0.1, skip_s=0.0))["notes"]
+    assert "nothing was compared: no filter found an attitude" in notes
+
+
 def test_progress_grows_to_nearly_one(log):
     log.heartbeat()
     log.still_flight(100.0)

@@ -182,6 +182,12 @@ def s_turns():
 
 
 @pytest.fixture(scope="session")
+def circles():
+    """A minute of circles at 40 degrees of bank."""
+    return coordinated(60.0, lambda t: radians(40.0) * np.minimum(t / 2.0, 1.0))
+
+
+@pytest.fixture(scope="session")
 def copter():
     """A copter to and fro for 90 s, after ten seconds on the ground."""
     return gusty(90.0, still_s=10.0)

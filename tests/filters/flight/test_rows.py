@@ -5,9 +5,9 @@ import pytest
 
 from attest_mav.algebra import add, mat_vec, q_conj, q_exp, q_mul, q_to_matrix, rotate, rotate_back, scale
 from attest_mav.filters.flight.compass import compass_row
-from attest_mav.filters.flight.covariance import Covariance
+from attest_mav.filters.flight.covariance import Covariance, Row
 from attest_mav.filters.flight.fixes import velocity_row
-from attest_mav.filters.flight.motion import Motion
+from attest_mav.filters.flight.motion import Motion, reach_of, updated
 from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.filters.flight.substitutes import gravity_rows, wing_row
 from attest_mav.filters.flight.track import Since
@@ -114,3 +114,13 @@ def test_gravity_rows(axis):
 
     assert row.residual == pytest.approx(residual(motion()), abs=1e-12)
     assert row.t == pytest.approx(slope(residual, "t"), abs=1e-6)
+
+
+@pytest.mark.parametrize(("residual", "delay"), [(-5.0, 0.0), (5.0, 0.4), (0.1, 0.2)])
+def test_a_delay_stays_one_that_can_be(residual, delay):
+    """From the future, or from before the history, no fix would ever match a row again."""
+    p = Covariance(*([NONE] * 27), diagonal(1.0))
+    before = Motion(Q, *([(0.0, 0.0, 0.0)] * 5), (0.05, 0.1, 0.02), p)
+    row = Row(residual, d=(0.0, 1.0, 0.0))
+    after = updated(before, row, reach_of(before, row), 1e-12)
+    assert after.delays == pytest.approx((0.05, delay, 0.02), abs=1e-9)

@@ -221,6 +221,58 @@ def test_a_wrong_attitude_is_given_up(plane_log):
     assert rms(tilt[-1000:]) < 0.3
 
 
+def test_a_wild_fix_now_and_then_does_not_cost_the_attitude(plane_log):
+    def wild(k, sample, aids):
+        v = aids.velocity
+        if not (1200 <= k < 1400 and k // 10 % 5 == 0):  # one fix in five
+            return sample, aids
+        return sample, with_aids(aids, velocity=VelocitySample(v.source, 1, 1, v.t_ns, 0, (650.0, 0.0, 0.0), False))
+
+    states = changed(plane_log, wild).run(last=1500)
+    assert all(s.aligned for s in states[1200:])
+    tilt, heading = plane_log.errors(states)
+    assert np.nanmax(tilt[1200:]) < 1.5
+    assert np.nanmax(np.abs(heading[1200:])) < 1.5
+
+
+def test_fixes_that_freeze_lead_astray_but_sigma_says_so(plane_log):
+    """A receiver that repeats one velocity makes an attitude of its own: it is shown with doubt, until that fades."""
+
+    def frozen(k, sample, aids):
+        v = aids.velocity
+        if not 3000 <= k < 3800:
+            return sample, aids
+        still = VelocitySample(v.source, 1, 1, v.t_ns, 0, (20.0, 0.0, 0.0), False)
+        return sample, with_aids(aids, velocity=still)
+
+    states = changed(plane_log, frozen).run(last=5500)
+    tilt, heading = plane_log.errors(states)
+    after = [k for k in range(3000, 5500) if states[k].aligned and states[k].doubt > 0.0]
+    assert max(tilt[after]) > 20.0
+    assert np.nanmean([tilt[k] < 3.0 * degrees(states[k].tilt_sigma) for k in after]) > 0.99
+    assert np.nanmean([abs(heading[k]) < 3.0 * degrees(states[k].heading_sigma) for k in after]) > 0.99
+    assert not any(VelocityAided().valid(states[k]) for k in after if tilt[k] > 3.0)
+    assert rms(tilt[-500:]) < 0.3
+    assert degrees(states[-1].tilt_sigma) < 5.0
+
+
+@pytest.mark.parametrize("airspeed", [True, False])
+def test_a_start_in_motion_without_a_velocity_is_a_guess_and_says_so(circles, telemetry, airspeed):
+    """A wing that circles feels its own axis for gravity: the attitude is 40 degrees wrong, and sigma has to say it."""
+    flight = telemetry(circles, airspeed=airspeed)
+    states = changed(flight, lambda _, s, a: (s, with_aids(a, velocity=None))).run(first=500)
+    tilt, _ = flight.errors(states, first=500)
+    shown = [k for k, s in enumerate(states) if s.aligned]
+    assert not any(VelocityAided().valid(states[k]) for k in shown if tilt[k] > 3.0)
+    if airspeed:
+        assert np.mean([tilt[k] < 3.0 * degrees(states[k].tilt_sigma) for k in shown]) > 0.99
+
+
+def test_a_start_in_motion_names_the_velocity_once_it_has_a_row(plane_log):
+    texts = list(dict.fromkeys(s.rests_on for s in plane_log.run(first=1500, last=1700)))
+    assert texts == ["", "just aligned", "velocity from GPS_RAW_INT"]
+
+
 def test_a_split_run_is_a_whole_one_bit_for_bit(plane_log):
     whole = plane_log.run(last=1500)
     head = plane_log.run(last=700)
@@ -268,6 +320,22 @@ def test_an_accelerometer_without_a_value_is_bridged(plane_log):
     holes = changed(plane_log, lambda k, s, a: (with_reading(s, accel=(nan, nan, nan)) if k % 10 == 0 else s, a))
     tilt, _ = holes.errors(holes.run())
     assert rms(tilt[1500:]) < 1.0
+
+
+@pytest.mark.parametrize("has_fixes", [True, False])
+def test_a_dead_accelerometer_gives_no_attitude_and_does_no_harm(plane_log, has_fixes):
+    """An accelerometer of zeros in flight, from the start or later: nothing is claimed until it comes back."""
+
+    def dead(k, sample, aids):
+        aids = aids if has_fixes else with_aids(aids, velocity=None)
+        return (with_reading(sample, accel=(0.0, 0.0, 0.0)) if k < 2000 else sample), aids
+
+    states = changed(plane_log, dead).run(first=1500, last=3000)
+    assert not any(s.aligned for s in states[:500])
+    assert states[-1].aligned
+    if has_fixes:
+        tilt, _ = plane_log.errors(states, first=1500)
+        assert np.nanmax(tilt[-250:]) < 3.0
 
 
 def test_before_anything_it_says_nothing(plane_log):
