@@ -29,6 +29,9 @@ from attest_mav.types import (
 STALE_NS: Final = 2_000_000_000
 """Speeds and velocities older than this, by the host's clock, are not used."""
 
+FAST: Final = 6.0
+"""m/s: neither a hand nor the wind on a parked wing does this for long."""
+
 WINGS: Final = (1, 19, 20, 21, 22, 23, 24, 25)
 """MAV_TYPE of aeroplanes and of the VTOL kinds."""
 SURFACE: Final = (10, 11)
@@ -118,8 +121,14 @@ class Aiding:
             side_speed=side,
             down_speed=down,
             inclination=self.field.inclination,
-            in_place=not self._stillness.armed,
+            in_place=self._in_place(air),
         )
+
+    def _in_place(self, air: AirDataSample | None) -> bool:
+        """False where the vehicle seems to be under way: it is armed, or says nothing of that and is fast."""
+        armed = self._stillness.armed
+        fast = air is not None and max(air.airspeed, air.groundspeed) > FAST
+        return not fast if armed is None else not armed
 
     def given(self) -> None:
         """All filters of the lane have had this sample's aids: they are fresh no longer."""

@@ -33,9 +33,9 @@ class Stillness:
             self._speed = norm(sample.v_ned)
 
     @property
-    def armed(self) -> bool:
-        """True while the vehicle says that it is armed: it may be under way, whatever else is known."""
-        return self._armed is True
+    def armed(self) -> bool | None:
+        """What the vehicle says: armed, it may be under way, whatever else is known. None while it says nothing."""
+        return self._armed
 
     @property
     def stands(self) -> bool | None:

@@ -13,8 +13,6 @@ from dataclasses import dataclass, field, replace
 from math import asin, exp, hypot, isfinite, nan, pi
 from typing import Final, cast
 
-from mypy_extensions import mypyc_attr
-
 from attest_mav.algebra import (
     clamp,
     heading_between,
@@ -36,7 +34,8 @@ from attest_mav.filters.flight.flying import Aid, Flying, flown, is_wing_flying
 from attest_mav.filters.flight.motion import Motion, is_sound, rate_of
 from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.filters.flight.strapdown import MAX_RATE, Reading, read
-from attest_mav.types import ImuSample, North, Quat, Vec3
+from attest_mav.filters.velocity_aided_state import VelocityAidedState
+from attest_mav.types import ImuSample, Quat, Vec3
 
 LONGEST_STEP_S: Final = 1.0
 """After a longer gap the attitude is lost, and alignment begins again."""
@@ -46,102 +45,16 @@ DOUBT_S: Final = 10.0
 """When fixes contradict an attitude and make another one of their own, either may be wrong: a receiver can freeze. The
 difference is doubt, which fades with this time constant while the fixes agree with what they made. An attitude that
 was guessed in motion begins with doubt too."""
-NORTH_LOST: Final = 0.5
-"""rad: with a heading less certain than this there is no north."""
+GRAVITY_DOUBT_S: Final = 60.0
+"""The same while the mean specific force is all there is: it takes some turns until their accelerations cancel."""
 
 
-@mypyc_attr(acyclic=True)
-class VelocityAidedState(FilterState):
-    """State after a step.
-
-    alignment: what it has collected while it aligns, None while it flies. flying: the estimate, which an alignment
-    after a gap keeps for what it knows of the sensors; None before the first. Its ``fixes`` and ``compass`` hold
-    the innovations. gap_s: time since the estimate was given up. contested: it was, because the fixes contradicted it.
-    doubt: rad, part of the sigmas, see ``DOUBT_S``. While it aligns the sigmas are pi, and ``q_nb`` is the last
-    attitude turned on by the gyro.
-    """
-
-    def __init__(
-        self,
-        q_nb: Quat,
-        gyro_bias: Vec3,
-        accel_used: bool,
-        mag_used: bool,
-        tilt_sigma: float,
-        heading_sigma: float,
-        alignment: Alignment | None,
-        flying: Flying | None,
-        gap_s: float,
-        contested: bool,
-        doubt: float,
-    ) -> None:
-        super().__init__(q_nb, gyro_bias, accel_used, mag_used, tilt_sigma, heading_sigma)
-        self.alignment: Final = alignment
-        self.flying: Final = flying
-        self.gap_s: Final = gap_s
-        self.contested: Final = contested
-        self.doubt: Final = doubt
-
-    @property
-    def aligned(self) -> bool:
-        """True once there is an attitude."""
-        return self.flying is not None and self.alignment is None
-
-    @property
-    def referred_to(self) -> North | None:
-        """What the heading refers to."""
-        flying = self.flying
-        if flying is None or self.heading_sigma > NORTH_LOST:
-            return North.RELATIVE
-        return North.TRUE if flying.declined else North.MAGNETIC
-
-    @property
-    def aided(self) -> bool:
-        """True with velocity fixes, and while the last velocity is carried on."""
-        flown = self._flown
-        return flown is not None and flown.aid in {Aid.VELOCITY, Aid.COASTING}
-
-    @property
-    def rests_on(self) -> str:
-        """The velocity and where it comes from, or what has taken its place; "" while it aligns."""
-        flown = self._flown
-        if flown is None:
-            return "just aligned" if self.aligned else ""
-        if flown.aid == Aid.VELOCITY:
-            # Those that an alignment was made of are not the filter's rows: the first of these tells the source.
-            return f"velocity from {flown.fixes.source}" if flown.fixes.source else "just aligned"
-        return f"no velocity: {_substitute(flown.aid)}"
-
-    @property
-    def velocity_nis(self) -> float:
-        """Of the fix that this step used, NaN if it used none."""
-        flown = self._flown
-        return nan if flown is None or flown.fixes.lost_s > 0.0 else flown.fixes.nis
-
-    @property
-    def field_nis(self) -> float:
-        """Of the reading that came with this step, rejected or not; NaN if none did."""
-        flown = self._flown
-        return nan if flown is None or flown.compass.held_s > 0.0 else flown.compass.nis
-
-    @property
-    def _flown(self) -> Flying | None:
-        """The flight, once it has gone a step: until then it tells of the time before a gap, or of none."""
-        flying = self.flying
-        if flying is None or self.alignment is not None or not flying.strapdown.track.points:
-            return None
-        return flying
-
-
-def _substitute(aid: Aid) -> str:
-    """The name of what has taken the velocity's place."""
-    if aid == Aid.REST:
-        return "at rest"
-    if aid == Aid.AIRSPEED:
-        return "airspeed"
-    if aid == Aid.PLACE:
-        return "taken to stay in place"
-    return "coasting" if aid == Aid.COASTING else "gravity only"
+def _kept_doubt(flying: Flying, dt_s: float) -> float:
+    """The share of the doubt that is left after a step."""
+    if flying.fixes.mean_nis >= 1.0 or flying.aid == Aid.AIRSPEED:
+        # A wing's air speed holds an attitude, but does not find one: circling, it agrees with a wrong one for minutes.
+        return 1.0
+    return exp(-dt_s / (GRAVITY_DOUBT_S if flying.aid == Aid.GRAVITY else DOUBT_S))
 
 
 def _contradiction(after: Motion, carried: Quat, before: Motion) -> float:
@@ -219,10 +132,7 @@ class VelocityAided(AttitudeFilter):
             # The velocity contradicts the attitude for too long, or too much was hidden by a saturated sensor.
             bias, begun = flying.motion.gyro_bias, started(reading, sample.t_ns)
             return self._waiting(before.q_nb, bias, begun, flying, 0.0, contested, before.doubt)
-        # A wing's air speed holds an attitude, but does not find one: circling, it agrees with a wrong one for minutes.
-        fades = flying.fixes.mean_nis < 1.0 and flying.aid != Aid.AIRSPEED
-        fade = exp(-dt_s / DOUBT_S) if fades else 1.0
-        return self._shown(flying, before.q_nb, fade * before.doubt)
+        return self._shown(flying, before.q_nb, _kept_doubt(flying, dt_s) * before.doubt)
 
     def _aligning(
         self,

@@ -20,7 +20,7 @@ from attest_mav.mavlink.parameters import facts_of_firmware
 from attest_mav.mavlink.port import PortSettings
 from attest_mav.mavlink.vehicle_data import POSITION_MESSAGES, DataSettings
 from attest_mav.runtime.status import verdict_text
-from attest_mav.types import EarthField, Estimate, ImuSample, ParameterSample, PositionSample, Sample
+from attest_mav.types import EarthField, Estimate, HeartbeatSample, ImuSample, ParameterSample, PositionSample, Sample
 
 log = logging.getLogger("attest_mav.service")
 
@@ -58,6 +58,7 @@ class Service:
         self._field_place: tuple[float, float] | None = None
         self._sample_ns = now_ns - 10 * self._stale_ns
         self._sender = self.companion.sender
+        self._heartbeat: HeartbeatSample | None = None
         self._facts = VehicleFacts()
         self._told: dict[str, str] = {}
         self._agreement: Agreement | None = None
@@ -130,6 +131,8 @@ class Service:
             self._sample_ns = now_ns
             if self.pipeline is None or self.pipeline.primary != sample.source:
                 self._begin_pipeline(sample.source)
+        elif isinstance(sample, HeartbeatSample):
+            self._heartbeat = sample
         elif isinstance(sample, PositionSample):
             self._look_field_up(sample)
         elif isinstance(sample, ParameterSample):
@@ -143,7 +146,7 @@ class Service:
         """Another vehicle, another part of it, or none: what the last one sent says nothing about this one."""
         self._sender = self.companion.sender
         self.decoder = Decoder(self._dialect, self.config.raw_imu.scales())
-        self.pipeline = None
+        self.pipeline = self._heartbeat = None
         self._facts = facts_of_firmware(self._sender[2])
         self._agreement = None
         self.companion.tell_verdict(nan, nan, nan)
@@ -153,6 +156,8 @@ class Service:
         self.pipeline = Pipeline(config.pipeline_settings(), [config.filter.build()], [source])
         self.pipeline.inform(self._facts)
         self.pipeline.set_field(self._field)
+        if self._heartbeat is not None:
+            self.pipeline.handle(self._heartbeat)  # whether it is armed counts from the first sample on
         note = self.decoder.notes.get(source, "")
         log.info("using %s with the filter %s%s", source, config.filter.chosen, f" ({note})" if note else "")
 
@@ -183,9 +188,13 @@ class Service:
             log.log(level, "verdict: %s", verdict_text(verdict))
 
     def _state(self, now_ns: int) -> int:
-        """MAV_STATE, true to life."""
-        if self.fresh(now_ns):
-            return CRITICAL if self._agreement == Agreement.DISAGREE else ACTIVE
+        """MAV_STATE, true to life: a filter that is too unsure for a verdict has not converged."""
+        estimate = self.estimate
+        if estimate is not None and self.fresh(now_ns):
+            if self._agreement == Agreement.DISAGREE:
+                return CRITICAL
+            unsure = estimate.tilt_sigma > radians(self.config.verdict.max_sigma_deg)
+            return CALIBRATING if unsure else ACTIVE
         return CALIBRATING if now_ns - self._sample_ns < self._stale_ns else BOOT
 
     def _look_field_up(self, position: PositionSample) -> None:

@@ -1,14 +1,16 @@
 """What the status line says of the filter and of what its attitude rests on."""
 
-from math import nan, radians
+from math import degrees, nan, radians
 
 import pytest
 
+from attest_mav.mavlink.companion import CALIBRATING
 from attest_mav.runtime.status import StatusLine, filter_text
 from attest_mav.sim.settings import SimSettings
 from attest_mav.types import Estimate, North
 
 GPS_RAW_INT = 24
+INERTIAL = (26, 27, 105, 116, 129)
 NEVER = 1e6
 
 
@@ -59,3 +61,14 @@ def test_what_the_attitude_rests_on_is_said(flight, scenario, first_fix_s, lost_
     f.deaf_to.add(GPS_RAW_INT)
     f.run_until(end_s)
     assert witness(f) == f"velocity-aided, {text}"
+
+
+def test_a_guess_is_no_converged_filter(flight):
+    """Deaf until it circles, and without a velocity, it takes its own axis for gravity, and doubts it."""
+    f = flight("", SimSettings(scenario="coordinated-turns", fast_rate_hz=50.0, first_fix_s=NEVER))
+    f.deaf_to.update(INERTIAL)
+    f.run_until(25.0)
+    f.deaf_to.clear()
+    f.run_until(35.0)
+    assert degrees(f.service.estimate.tilt_sigma) > 5.0
+    assert f.states()[-1] == CALIBRATING
