@@ -13,7 +13,7 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import add, cross, norm, q_exp, q_mul, q_unit, rotate, scale, sub, unit
-from attest_mav.filters.flight.fixes import measured_at, usual_delay_s
+from attest_mav.filters.flight.fixes import is_velocity, measured_at, usual_delay_s
 from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.filters.flight.rest import MAX_SPEED
 from attest_mav.filters.flight.strapdown import Reading
@@ -23,6 +23,8 @@ from attest_mav.types import Mat3, Quat, Vec3, VelocitySample
 
 MIN_BASE_S: Final = 0.45
 """Two fixes this far apart give a direction."""
+LEAST_GAIN: Final = 1.0
+"""m/s: an integral of the specific force shorter than this has no direction: free fall, or a dead accelerometer."""
 GAIN_SIGMA: Final = 0.12
 """m/s: of the velocity gained between two fixes, in each axis."""
 FIELD_SIGMA: Final = 0.03
@@ -164,7 +166,9 @@ def _with_fix(
     fixes: tuple[Fix, ...], fix: VelocitySample | None, track: Track, settings: FlightParameters
 ) -> tuple[Fix, ...]:
     """The fixes with a new one, if it is new and from after the start."""
-    if fix is None or (fixes and fix.t_ns - fixes[-1].source_ns < int(1e9 * settings.fix_spacing_s) - 1_000_000):
+    if fix is None or not is_velocity(fix):
+        return fixes
+    if fixes and fix.t_ns - fixes[-1].source_ns < int(1e9 * settings.fix_spacing_s) - 1_000_000:
         return fixes
     t_ns = measured_at(fix, usual_delay_s(fix, settings), settings)
     past = since(track, t_ns)
@@ -187,8 +191,10 @@ def outcome(so_far: Alignment, declination: float, dip: float, settings: FlightP
     return None
 
 
-def _by_gravity(so_far: Alignment, gain: Vec3, declination: float, tilt: float, heading: float) -> Begin:
-    """Begin as if ``gain`` pointed up. tilt, heading: sigmas, rad."""
+def _by_gravity(so_far: Alignment, gain: Vec3, declination: float, tilt: float, heading: float) -> Begin | None:
+    """Begin as if ``gain`` pointed up, None if it points nowhere. tilt, heading: sigmas, rad."""
+    if not norm(gain) > LEAST_GAIN:
+        return None
     down = scale(gain, -1.0 / norm(gain))
     east = cross(down, so_far.field)
     known = so_far.fields > 0 and norm(east) > LEAST_ANGLE * so_far.fields
@@ -231,24 +237,30 @@ def _pairs(so_far: Alignment, declination: float, dip: float, settings: FlightPa
     base_ns = int(1e9 * MIN_BASE_S)
     if len(fixes) < 2 or fixes[-1].t_ns - fixes[0].t_ns < base_ns:
         return []
-    pairs = [_gained(fixes[0], fixes[-1], settings)]
+    gained = [_gained(fixes[0], fixes[-1], settings)]
     link = fixes[0]
     for fix in fixes[1:]:
         if fix.t_ns - link.t_ns >= base_ns:
-            pairs.append(_gained(link, fix, settings))
+            gained.append(_gained(link, fix, settings))
             link = fix
+    pairs = [pair for pair in gained if pair is not None]
     if so_far.fields > 0 and isfinite(dip) and norm(so_far.field) > 0.0:
         world = (cos(dip) * cos(declination), cos(dip) * sin(declination), sin(dip))
         pairs.append(Pair(unit(so_far.field), world, FIELD_SIGMA**2))
     return pairs
 
 
-def _gained(first: Fix, last: Fix, settings: FlightParameters) -> Pair:
-    """The velocity gained between two fixes, less gravity's share. An unknown vertical part points up."""
+def _gained(first: Fix, last: Fix, settings: FlightParameters) -> Pair | None:
+    """The velocity gained between two fixes, less gravity's share; None where that is too little for a direction.
+
+    An unknown vertical part points up.
+    """
     u = sub(last.gain, first.gain)
     x, y, z = sub(last.v_ned, first.v_ned)
     z -= settings.gravity * (last.t_ns - first.t_ns) * 1e-9
     length = norm(u)
     if not (first.vertical_known and last.vertical_known):
         z = -sqrt(max(0.0, length * length - x * x - y * y))
+    if not (length > LEAST_GAIN and norm((x, y, z)) > LEAST_GAIN):
+        return None
     return Pair(unit(u), unit((x, y, z)), 2.0 * (GAIN_SIGMA / length) ** 2)

@@ -11,7 +11,7 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import clamp, dot
+from attest_mav.algebra import clamp, dot, norm
 from attest_mav.filters.flight.covariance import Row
 from attest_mav.filters.flight.motion import Motion, reach_of, updated, with_fix_delay
 from attest_mav.filters.flight.parameters import FlightParameters
@@ -27,6 +27,8 @@ POWER_STEP: Final = 4.0
 NOISE_FACTOR: Final = 2.0
 """The noise of a fix as a multiple of the innovations' rms."""
 LONG_AGO_S: Final = 1e9
+MAX_VELOCITY: Final = 1e4
+"""m/s: a fix that reports this much is not read (NaN and infinity fail the same test)."""
 NIS_SHARE: Final = 0.1
 """Share of a new fix in the mean normalised innovation squared: at 5 Hz a memory of 2 s."""
 
@@ -96,9 +98,14 @@ def low_pass_delay_s(settings: FlightParameters) -> float:
     return 0.2250790790392765 / settings.low_pass_hz if settings.low_pass_hz > 0.0 else 0.0
 
 
+def is_velocity(fix: VelocitySample) -> bool:
+    """True when its numbers can be a velocity."""
+    return norm(fix.v_ned) < MAX_VELOCITY
+
+
 def due(fixes: Fixes, fix: VelocitySample | None, settings: FlightParameters) -> bool:
-    """True when the fix has not been used and is far enough from the one before."""
-    if fix is None or fix.t_ns == fixes.t_ns:
+    """True when the fix is one, has not been used, and is far enough from the one before."""
+    if fix is None or not is_velocity(fix) or fix.t_ns == fixes.t_ns:
         return False
     # A clock that went back is a new one.
     apart = (fix.t_ns - fixes.t_ns) * 1e-9

@@ -4,7 +4,7 @@
 """
 
 from enum import IntEnum
-from math import inf, isfinite
+from math import inf
 from typing import Final
 
 from mypy_extensions import mypyc_attr
@@ -12,7 +12,7 @@ from mypy_extensions import mypyc_attr
 from attest_mav.algebra import add, norm, scale
 from attest_mav.filters.base import Aids
 from attest_mav.filters.flight.compass import Compass, field_of, is_due, steered, unread
-from attest_mav.filters.flight.fixes import Fixes, due, fixed, waited
+from attest_mav.filters.flight.fixes import MAX_VELOCITY, Fixes, due, fixed, waited
 from attest_mav.filters.flight.motion import Motion, rate_of, with_variances
 from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.filters.flight.rest import Rest, rested, watched
@@ -125,25 +125,30 @@ def _aid(fixes: Fixes, rest: Rest, aids: Aids, settings: FlightParameters) -> Ai
         return Aid.VELOCITY
     if rest.resting:
         return Aid.REST
-    if aids.forward_speed > FLYING_SPEED and aids.side_speed == 0.0:
+    if _wing_speed(aids) > FLYING_SPEED:
         return Aid.AIRSPEED
     if not fixes.source and aids.in_place:
         return Aid.PLACE
     return Aid.COASTING if fixes.source and fixes.lost_s < settings.coast_s else Aid.GRAVITY
 
 
+def _wing_speed(aids: Aids) -> float:
+    """Speed along the nose, m/s, of what goes where it points; 0 where it is not known, or cannot be one."""
+    return aids.forward_speed if aids.side_speed == 0.0 and 0.0 < aids.forward_speed < MAX_VELOCITY else 0.0
+
+
 def _substituted(
     motion: Motion, air: Air, aid: Aid, force: Vec3, aids: Aids, dt_s: float, settings: FlightParameters
 ) -> tuple[Motion, Air]:
     """Motion and wind after what takes the place of fixes."""
-    wing = aids.side_speed == 0.0 and isfinite(aids.forward_speed)
+    speed = _wing_speed(aids)
     if aid == Aid.VELOCITY:
-        return motion, learned(air, motion, aids.forward_speed if wing else 0.0, dt_s)
+        return motion, learned(air, motion, speed, dt_s)
     waited_s = air.waited_s + dt_s
     if waited_s < SPACING_S:
         return motion, Air(air.wind, air.learned_s, waited_s)
     if aid == Aid.AIRSPEED:
-        motion = held_by_air(motion, Air(air.wind, air.learned_s, waited_s), aids.forward_speed, settings)
+        motion = held_by_air(motion, Air(air.wind, air.learned_s, waited_s), speed, settings)
     elif aid == Aid.GRAVITY:
         motion = held_by_gravity(motion, force, waited_s, settings)
     elif aid == Aid.PLACE:
