@@ -49,7 +49,7 @@ def beginning(
     force = specific_force(motion, reading.accel)
     zero: Vec3 = (0.0, 0.0, 0.0)
     strapdown = Strapdown(reading.gyro, reading.accel, zero, zero, 0.0, force, 0.0, 0.0, begun(t_ns))
-    rest = Rest(reading.gyro, reading.accel, 0.0, 0.0)
+    rest = Rest(reading.gyro, reading.accel, 0.0, 0.0, 0.0)
     return Flying(motion, strapdown, fixes, compass, rest, air, north, declined, Aid.COASTING)
 
 

@@ -248,15 +248,15 @@ def corrected(p: Covariance, g: Reach, k: float) -> Covariance:
 
 
 def considered(before: Covariance, p: Covariance) -> Covariance:
-    """p with what gyro scale and accelerometer bias have among themselves as it was before."""
+    """p with what all errors of the sensors but the gyro's bias have among themselves as it was before."""
     return Covariance(
         p.tt, p.tv, p.tb, p.ts, p.ta, p.tm, p.td,
         p.vv, p.vb, p.vs, p.va, p.vm, p.vd,
         p.bb, p.bs, p.ba, p.bm, p.bd,
-        before.ss, before.sa, p.sm, p.sd,
-        before.aa, p.am, p.ad,
-        p.mm, p.md,
-        p.dd,
+        before.ss, before.sa, before.sm, before.sd,
+        before.aa, before.am, before.ad,
+        before.mm, before.md,
+        before.dd,
     )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import clamp, dot, norm
 from attest_mav.filters.flight.covariance import Row
-from attest_mav.filters.flight.motion import Motion, reach_of, updated, with_fix_delay
+from attest_mav.filters.flight.motion import STILL_ACCEL, Motion, reach_of, shown, taken, with_fix_delay
 from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.filters.flight.track import Since, Track, since
 from attest_mav.types import Vec3, VelocitySample
@@ -113,16 +113,19 @@ def due(fixes: Fixes, fix: VelocitySample | None, settings: FlightParameters) ->
 
 
 def fixed(
-    motion: Motion, track: Track, fixes: Fixes, fix: VelocitySample, settings: FlightParameters
+    motion: Motion, track: Track, fixes: Fixes, fix: VelocitySample, teaches: bool, settings: FlightParameters
 ) -> tuple[Motion, Fixes]:
-    """Motion and memory after a fix that is due. One from before the history corrects nothing."""
+    """Motion and memory after a fix that is due. One from before the history corrects nothing.
+
+    teaches: it may tell something of the sensors.
+    """
     if fix.source != fixes.source:
         motion = with_fix_delay(motion, usual_delay_s(fix, settings), usual_delay_sigma(fix, settings))
     past = since(track, measured_at(fix, motion.delays[1], settings))
     if past is None:
         return motion, fixes
     sigma = clamp(NOISE_FACTOR * sqrt(fixes.power), settings.velocity_floor, settings.velocity_ceiling)
-    accel = (past.force[0], past.force[1], past.force[2] + settings.gravity)
+    accel = shown((past.force[0], past.force[1], past.force[2] + settings.gravity), STILL_ACCEL)
     jitter = settings.fix_jitter_s**2 * dot(accel, accel)
     variance = sigma * sigma + jitter
     # A wrong attitude must not excuse itself with the innovations that it makes.
@@ -136,7 +139,7 @@ def fixed(
         innovation[axis] = row.residual
         nis += row.residual**2 / (seen.variance + trusted) / count
         least = (row.residual / settings.velocity_gate) ** 2 - seen.variance
-        motion = updated(motion, row, seen, max(variance, least))
+        motion = taken(motion, row, seen, max(variance, least), teaches)
     square = (innovation[0] ** 2 + innovation[1] ** 2 + innovation[2] ** 2) / count
     power = fixes.power + POWER_SHARE * (min(square, POWER_STEP * fixes.power + 1e-6) - fixes.power)
     mean_nis = fixes.mean_nis + NIS_SHARE * (nis - fixes.mean_nis)
@@ -152,7 +155,9 @@ def velocity_row(
     a delay that is longer by dd moves the instant back along the acceleration.
     """
     gained = past.gain[axis] + (settings.gravity * past.age_s if axis == 2 else 0.0)
-    x, y, z = past.gain
+    span_s = max(past.age_s, 0.0)
+    x, y, z = shown((past.gain[0], past.gain[1], past.gain[2] + settings.gravity * span_s), STILL_ACCEL * span_s)
+    z -= settings.gravity * span_s
     tilt: Vec3 = (0.0, -z, y) if axis == 0 else (z, 0.0, -x) if axis == 1 else (-y, x, 0.0)
     residual = fix.v_ned[axis] - (motion.velocity[axis] - gained)
     return Row(residual, t=tilt, v=unit_axis(axis), d=(0.0, -accel[axis], 0.0))

@@ -4,7 +4,7 @@
 """
 
 from enum import IntEnum
-from math import inf
+from math import hypot, inf
 from typing import Final
 
 from mypy_extensions import mypyc_attr
@@ -90,15 +90,16 @@ def flown(
     """The flight ``dt_s`` later, at the reading taken then."""
     motion, strapdown = advanced(before.motion, before.strapdown, reading, dt_s, sample.t_ns, settings)
     fixes = waited(before.fixes, dt_s)
+    teaches = not before.rest.settled
     fix = aids.velocity
     if fix is not None and due(fixes, fix, settings):
-        motion, fixes = fixed(motion, strapdown.track, fixes, fix, settings)
+        motion, fixes = fixed(motion, strapdown.track, fixes, fix, teaches, settings)
     rest = watched(before.rest, reading, _speed(fix, aids), dt_s)
-    motion, rest = rested(motion, rest, fixes.lost_s < LOST_S, settings)
+    motion, rest = rested(motion, rest, fixes.lost_s < LOST_S, teaches, settings)
     aid = _aid(fixes, rest, aids, settings)
     motion, air = _substituted(motion, before.air, aid, strapdown.force, aids, dt_s, settings)
     rate = rate_of(motion, scale(add(before.strapdown.gyro, reading.gyro), 0.5))
-    motion, compass = _steered(motion, before, sample, rate, dt_s, settings)
+    motion, compass = _steered(motion, before, sample, rate, dt_s, teaches, settings)
     return Flying(
         motion,
         turned_memory(strapdown, motion),
@@ -157,14 +158,21 @@ def _substituted(
 
 
 def _steered(
-    motion: Motion, before: Flying, sample: ImuSample, rate: Vec3, dt_s: float, settings: FlightParameters
+    motion: Motion,
+    before: Flying,
+    sample: ImuSample,
+    rate: Vec3,
+    dt_s: float,
+    teaches: bool,
+    settings: FlightParameters,
 ) -> tuple[Motion, Compass]:
     """Motion and compass after the magnetometer's reading, if it is a new one."""
     field = field_of(sample)
     if field is None or not is_due(before.compass, sample, dt_s, settings):
         return motion, unread(before.compass, sample, dt_s)
-    motion, compass = steered(motion, before.compass, sample, field, rate, dt_s, before.declination, settings)
-    moving = before.fixes.lost_s < LOST_S and norm(motion.velocity) > STANDING_SPEED
+    motion, compass = steered(motion, before.compass, sample, field, rate, dt_s, before.declination, teaches, settings)
+    # The vertical velocity is not always measured, and then drifts.
+    moving = before.fixes.lost_s < LOST_S and hypot(motion.velocity[0], motion.velocity[1]) > STANDING_SPEED
     if compass.lost_s > REJECTED_S and not moving:
         motion = with_variances(motion, 0.0, REJECTED_DOUBT**2 * (before.compass.held_s + dt_s))
     return motion, compass

@@ -378,3 +378,33 @@ def test_the_low_pass_of_the_vehicle_is_a_parameter(s_turns, telemetry):
     tilt, _ = flight.errors(flight.run(chosen, last=3000))
     right, _ = flight.errors(flight.run(last=3000))
     assert rms(tilt[1500:]) > 3.0 * rms(right[1500:])
+
+
+def test_an_hour_on_the_ground_teaches_nothing_of_the_sensors(telemetry, copter):
+    """With fixes: noise must not be taken for motion that shows scales, delays, and the accelerometer's bias."""
+    rng = np.random.default_rng(2)
+    flight = telemetry(copter)
+    still, aids = flight.samples[10], flight.aids[10]
+    chosen = VelocityAided()
+    state = chosen.initial(Start((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), North.RELATIVE, still.accel, still.mag, False))
+    for k in range(1, 4 * 3600):
+        t_ns = k * 250_000_000
+        gyro, accel, mag, v = (
+            tuple(float(x) for x in rng.normal(mean, sigma))
+            for mean, sigma in (
+                ((0.004, -0.003, 0.005), 5e-4),
+                (still.accel, 0.05),
+                (still.mag, 1e-3),
+                ((0.0, 0.0, 0.0), 0.07),
+            )
+        )
+        fix = VelocitySample("GPS_RAW_INT", 1, 1, t_ns, 0, (v[0], v[1], 0.0), False)
+        state = chosen.step(
+            state, 0.25, ImuSample("HIGHRES_IMU", 1, 1, t_ns, t_ns, gyro, accel, mag), with_aids(aids, velocity=fix)
+        )
+    motion = state.flying.motion
+    assert motion.gyro_scale == pytest.approx((0.0, 0.0, 0.0), abs=5e-4)
+    assert motion.delays[:2] == pytest.approx((0.06, 0.1), abs=0.005)
+    assert motion.accel_bias == pytest.approx((0.0, 0.0, 0.0), abs=0.03)
+    assert np.linalg.norm(motion.hard_iron) < 0.01
+    assert degrees(state.heading_sigma) > 2.0
