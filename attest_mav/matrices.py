@@ -100,6 +100,18 @@ def minus_cross(m: Mat3, u: Vec3, n: Mat3) -> Mat3:
     )
 
 
+def plus_scaled_rows(m: Mat3, k: Vec3, n: Mat3) -> Mat3:
+    """m + K n, with K the diagonal matrix of k."""
+    (a, b, c), (d, e, f), (g, h, i) = m
+    (r, s, t), (u, v, w), (x, y, z) = n
+    p, q, o = k
+    return (
+        (a + p * r, b + p * s, c + p * t),
+        (d + q * u, e + q * v, f + q * w),
+        (g + o * x, h + o * y, i + o * z),
+    )
+
+
 def inverse(m: Mat3) -> Mat3:
     """m^-1 by cofactors; m must not be singular."""
     (a, b, c), (d, e, f), (g, h, i) = m

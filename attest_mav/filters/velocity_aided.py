@@ -26,9 +26,10 @@ from attest_mav.algebra import (
     tilt_between,
 )
 from attest_mav.filters.base import Aids, AttitudeFilter, FilterState, Start, VehicleFacts
-from attest_mav.filters.flight.alignment import GUESSED_TILT, Alignment, continued, outcome, started
+from attest_mav.filters.flight.alignment import Alignment, continued, started
 from attest_mav.filters.flight.beginning import beginning, redeclined
 from attest_mav.filters.flight.compass import field_of
+from attest_mav.filters.flight.first_attitude import GUESSED_TILT, outcome
 from attest_mav.filters.flight.fixes import low_pass_delay_s
 from attest_mav.filters.flight.flying import Aid, Flying, flown, is_wing_flying
 from attest_mav.filters.flight.motion import Motion, is_sound, rate_of

@@ -3,9 +3,9 @@
 from math import isfinite
 from typing import Final
 
-from attest_mav.filters.flight.alignment import Begin
 from attest_mav.filters.flight.compass import no_field
 from attest_mav.filters.flight.covariance import Covariance, Row
+from attest_mav.filters.flight.first_attitude import Begin
 from attest_mav.filters.flight.fixes import no_fixes, resumed
 from attest_mav.filters.flight.flying import Aid, Flying
 from attest_mav.filters.flight.motion import Motion, reach_of, updated
@@ -49,7 +49,7 @@ def beginning(
     force = specific_force(motion, reading.accel)
     zero: Vec3 = (0.0, 0.0, 0.0)
     strapdown = Strapdown(reading.gyro, reading.accel, zero, zero, 0.0, force, 0.0, 0.0, begun(t_ns))
-    rest = Rest(reading.gyro, reading.accel, 0.0, 0.0)
+    rest = Rest(reading.gyro, reading.accel, 0.0, 0.0, 0.0)
     return Flying(motion, strapdown, fixes, compass, rest, air, north, declined, Aid.COASTING)
 
 

@@ -15,7 +15,7 @@ from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import clamp, cross, dot, mat_vec, norm, q_exp, q_mul, q_to_matrix, scale, sub
 from attest_mav.filters.flight.covariance import Row
-from attest_mav.filters.flight.motion import Motion, reach_of, updated
+from attest_mav.filters.flight.motion import STILL_RATE, Motion, reach_of, shown, taken
 from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.filters.flight.strapdown import INTEGER_MESSAGES, MAG_UNIT, dequantised
 from attest_mav.matrices import mat_t_vec
@@ -124,9 +124,13 @@ def steered(
     rate: Vec3,
     dt_s: float,
     declination: float,
+    teaches: bool,
     settings: FlightParameters,
 ) -> tuple[Motion, Compass]:
-    """Motion and memory after a new reading. ``field``: gauss. ``rate``: of the body, rad/s."""
+    """Motion and memory after a new reading. ``field``: gauss. ``rate``: of the body, rad/s.
+
+    teaches: it may tell something of the sensors.
+    """
     row, levelled, strength = compass_row(motion, field, rate, declination)
     watched = _watch(compass, motion, strength, levelled[2], norm(rate), dt_s, settings)
     seen = reach_of(motion, row)
@@ -140,7 +144,7 @@ def steered(
     power = compass.power
     if agrees:
         power += POWER_SHARE * (min(row.residual**2, POWER_STEP * power + 1e-8) - power)
-    return updated(motion, row, seen, variance), Compass(
+    return taken(motion, row, seen, variance, teaches), Compass(
         compass.last if sample.mag is None else sample.mag,
         0.0,
         0.0 if agrees else compass.lost_s + compass.held_s + dt_s,
@@ -166,7 +170,7 @@ def compass_row(motion: Motion, field: Vec3, rate: Vec3, declination: float) -> 
     levelled = scale(mat_vec(then, iron_free), 1.0 / strength)
     north = declination + motion.delays[2]
     east: Vec3 = (-sin(north), cos(north), 0.0)
-    lag = mat_vec(then, scale(cross(rate, iron_free), 1.0 / strength))
+    lag = mat_vec(then, scale(cross(shown(rate, STILL_RATE), iron_free), 1.0 / strength))
     row = Row(
         -dot(east, levelled),
         t=cross(levelled, east),

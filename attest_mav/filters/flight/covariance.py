@@ -28,6 +28,7 @@ from attest_mav.matrices import (
     minus_mul,
     minus_mul_t,
     minus_outer,
+    plus_scaled_rows,
     symmetric,
     transpose,
 )
@@ -186,18 +187,6 @@ def propagated(p: Covariance, turn: Mat3, push: Vec3, rate: Vec3, growth: Growth
     )  # fmt: skip
 
 
-def plus_scaled_rows(m: Mat3, k: Vec3, n: Mat3) -> Mat3:
-    """m + K n, with K the diagonal matrix of k."""
-    (a, b, c), (d, e, f), (g, h, i) = m
-    (r, s, t), (u, v, w), (x, y, z) = n
-    p, q, o = k
-    return (
-        (a + p * r, b + p * s, c + p * t),
-        (d + q * u, e + q * v, f + q * w),
-        (g + o * x, h + o * y, i + o * z),
-    )
-
-
 def reach(p: Covariance, h: Row) -> Reach:
     """P h, block by block."""
     t = _sum5(mat_vec(p.tt, h.t), mat_vec(p.tv, h.v), mat_vec(p.tb, h.b), mat_vec(p.tm, h.m), mat_vec(p.td, h.d))
@@ -248,15 +237,15 @@ def corrected(p: Covariance, g: Reach, k: float) -> Covariance:
 
 
 def considered(before: Covariance, p: Covariance) -> Covariance:
-    """p with what gyro scale and accelerometer bias have among themselves as it was before."""
+    """p with what all errors of the sensors but the gyro's bias have among themselves as it was before."""
     return Covariance(
         p.tt, p.tv, p.tb, p.ts, p.ta, p.tm, p.td,
         p.vv, p.vb, p.vs, p.va, p.vm, p.vd,
         p.bb, p.bs, p.ba, p.bm, p.bd,
-        before.ss, before.sa, p.sm, p.sd,
-        before.aa, p.am, p.ad,
-        p.mm, p.md,
-        p.dd,
+        before.ss, before.sa, before.sm, before.sd,
+        before.aa, before.am, before.ad,
+        before.mm, before.md,
+        before.dd,
     )  # fmt: skip
 
 

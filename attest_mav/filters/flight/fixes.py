@@ -11,9 +11,9 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import clamp, dot
+from attest_mav.algebra import clamp, dot, norm
 from attest_mav.filters.flight.covariance import Row
-from attest_mav.filters.flight.motion import Motion, reach_of, updated, with_fix_delay
+from attest_mav.filters.flight.motion import STILL_ACCEL, Motion, reach_of, shown, taken, with_fix_delay
 from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.filters.flight.track import Since, Track, since
 from attest_mav.types import Vec3, VelocitySample
@@ -27,6 +27,8 @@ POWER_STEP: Final = 4.0
 NOISE_FACTOR: Final = 2.0
 """The noise of a fix as a multiple of the innovations' rms."""
 LONG_AGO_S: Final = 1e9
+MAX_VELOCITY: Final = 1e4
+"""m/s: a fix that reports this much is not read (NaN and infinity fail the same test)."""
 NIS_SHARE: Final = 0.1
 """Share of a new fix in the mean normalised innovation squared: at 5 Hz a memory of 2 s."""
 
@@ -96,9 +98,14 @@ def low_pass_delay_s(settings: FlightParameters) -> float:
     return 0.2250790790392765 / settings.low_pass_hz if settings.low_pass_hz > 0.0 else 0.0
 
 
+def is_velocity(fix: VelocitySample) -> bool:
+    """True when its numbers can be a velocity."""
+    return norm(fix.v_ned) < MAX_VELOCITY
+
+
 def due(fixes: Fixes, fix: VelocitySample | None, settings: FlightParameters) -> bool:
-    """True when the fix has not been used and is far enough from the one before."""
-    if fix is None or fix.t_ns == fixes.t_ns:
+    """True when the fix is one, has not been used, and is far enough from the one before."""
+    if fix is None or not is_velocity(fix) or fix.t_ns == fixes.t_ns:
         return False
     # A clock that went back is a new one.
     apart = (fix.t_ns - fixes.t_ns) * 1e-9
@@ -106,16 +113,19 @@ def due(fixes: Fixes, fix: VelocitySample | None, settings: FlightParameters) ->
 
 
 def fixed(
-    motion: Motion, track: Track, fixes: Fixes, fix: VelocitySample, settings: FlightParameters
+    motion: Motion, track: Track, fixes: Fixes, fix: VelocitySample, teaches: bool, settings: FlightParameters
 ) -> tuple[Motion, Fixes]:
-    """Motion and memory after a fix that is due. One from before the history corrects nothing."""
+    """Motion and memory after a fix that is due. One from before the history corrects nothing.
+
+    teaches: it may tell something of the sensors.
+    """
     if fix.source != fixes.source:
         motion = with_fix_delay(motion, usual_delay_s(fix, settings), usual_delay_sigma(fix, settings))
     past = since(track, measured_at(fix, motion.delays[1], settings))
     if past is None:
         return motion, fixes
     sigma = clamp(NOISE_FACTOR * sqrt(fixes.power), settings.velocity_floor, settings.velocity_ceiling)
-    accel = (past.force[0], past.force[1], past.force[2] + settings.gravity)
+    accel = shown((past.force[0], past.force[1], past.force[2] + settings.gravity), STILL_ACCEL)
     jitter = settings.fix_jitter_s**2 * dot(accel, accel)
     variance = sigma * sigma + jitter
     # A wrong attitude must not excuse itself with the innovations that it makes.
@@ -129,7 +139,7 @@ def fixed(
         innovation[axis] = row.residual
         nis += row.residual**2 / (seen.variance + trusted) / count
         least = (row.residual / settings.velocity_gate) ** 2 - seen.variance
-        motion = updated(motion, row, seen, max(variance, least))
+        motion = taken(motion, row, seen, max(variance, least), teaches)
     square = (innovation[0] ** 2 + innovation[1] ** 2 + innovation[2] ** 2) / count
     power = fixes.power + POWER_SHARE * (min(square, POWER_STEP * fixes.power + 1e-6) - fixes.power)
     # However wild, one fix is one contradiction: it takes several in a row to give the attitude up.
@@ -146,7 +156,9 @@ def velocity_row(
     a delay that is longer by dd moves the instant back along the acceleration.
     """
     gained = past.gain[axis] + (settings.gravity * past.age_s if axis == 2 else 0.0)
-    x, y, z = past.gain
+    span_s = max(past.age_s, 0.0)
+    x, y, z = shown((past.gain[0], past.gain[1], past.gain[2] + settings.gravity * span_s), STILL_ACCEL * span_s)
+    z -= settings.gravity * span_s
     tilt: Vec3 = (0.0, -z, y) if axis == 0 else (z, 0.0, -x) if axis == 1 else (-y, x, 0.0)
     residual = fix.v_ned[axis] - (motion.velocity[axis] - gained)
     return Row(residual, t=tilt, v=unit_axis(axis), d=(0.0, -accel[axis], 0.0))

@@ -4,7 +4,7 @@
 """
 
 from enum import IntEnum
-from math import inf, isfinite
+from math import hypot, inf
 from typing import Final
 
 from mypy_extensions import mypyc_attr
@@ -12,7 +12,7 @@ from mypy_extensions import mypyc_attr
 from attest_mav.algebra import add, norm, scale
 from attest_mav.filters.base import Aids
 from attest_mav.filters.flight.compass import Compass, field_of, is_due, steered, unread
-from attest_mav.filters.flight.fixes import Fixes, due, fixed, waited
+from attest_mav.filters.flight.fixes import MAX_VELOCITY, Fixes, due, fixed, waited
 from attest_mav.filters.flight.motion import Motion, rate_of, with_variances
 from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.filters.flight.rest import Rest, rested, watched
@@ -90,15 +90,16 @@ def flown(
     """The flight ``dt_s`` later, at the reading taken then."""
     motion, strapdown = advanced(before.motion, before.strapdown, reading, dt_s, sample.t_ns, settings)
     fixes = waited(before.fixes, dt_s)
+    teaches = not before.rest.settled
     fix = aids.velocity
     if fix is not None and due(fixes, fix, settings):
-        motion, fixes = fixed(motion, strapdown.track, fixes, fix, settings)
+        motion, fixes = fixed(motion, strapdown.track, fixes, fix, teaches, settings)
     rest = watched(before.rest, reading, _speed(fix, aids), dt_s)
-    motion, rest = rested(motion, rest, fixes.lost_s < LOST_S, settings)
+    motion, rest = rested(motion, rest, fixes.lost_s < LOST_S, teaches, settings)
     aid = _aid(fixes, rest, aids, settings)
     motion, air = _substituted(motion, before.air, aid, strapdown.force, aids, dt_s, settings)
     rate = rate_of(motion, scale(add(before.strapdown.gyro, reading.gyro), 0.5))
-    motion, compass = _steered(motion, before, sample, rate, dt_s, settings)
+    motion, compass = _steered(motion, before, sample, rate, dt_s, teaches, settings)
     return Flying(
         motion,
         turned_memory(strapdown, motion),
@@ -121,7 +122,7 @@ def _speed(fix: VelocitySample | None, aids: Aids) -> float:
 
 def is_wing_flying(aids: Aids) -> bool:
     """True when the air speed is that of a wing in flight."""
-    return aids.forward_speed > FLYING_SPEED and aids.side_speed == 0.0
+    return _wing_speed(aids) > FLYING_SPEED
 
 
 def _aid(fixes: Fixes, rest: Rest, aids: Aids, settings: FlightParameters) -> Aid:
@@ -137,18 +138,23 @@ def _aid(fixes: Fixes, rest: Rest, aids: Aids, settings: FlightParameters) -> Ai
     return Aid.COASTING if fixes.source and fixes.lost_s < settings.coast_s else Aid.GRAVITY
 
 
+def _wing_speed(aids: Aids) -> float:
+    """Speed along the nose, m/s, of what goes where it points; 0 where it is not known, or cannot be one."""
+    return aids.forward_speed if aids.side_speed == 0.0 and 0.0 < aids.forward_speed < MAX_VELOCITY else 0.0
+
+
 def _substituted(
     motion: Motion, air: Air, aid: Aid, force: Vec3, aids: Aids, dt_s: float, settings: FlightParameters
 ) -> tuple[Motion, Air]:
     """Motion and wind after what takes the place of fixes."""
-    wing = aids.side_speed == 0.0 and isfinite(aids.forward_speed)
+    speed = _wing_speed(aids)
     if aid == Aid.VELOCITY:
-        return motion, learned(air, motion, aids.forward_speed if wing else 0.0, dt_s)
+        return motion, learned(air, motion, speed, dt_s)
     waited_s = air.waited_s + dt_s
     if waited_s < SPACING_S:
         return motion, Air(air.wind, air.learned_s, waited_s)
     if aid == Aid.AIRSPEED:
-        motion = held_by_air(motion, Air(air.wind, air.learned_s, waited_s), aids.forward_speed, settings)
+        motion = held_by_air(motion, Air(air.wind, air.learned_s, waited_s), speed, settings)
     elif aid == Aid.GRAVITY:
         motion = held_by_gravity(motion, force, waited_s, settings)
     elif aid == Aid.PLACE:
@@ -157,14 +163,21 @@ def _substituted(
 
 
 def _steered(
-    motion: Motion, before: Flying, sample: ImuSample, rate: Vec3, dt_s: float, settings: FlightParameters
+    motion: Motion,
+    before: Flying,
+    sample: ImuSample,
+    rate: Vec3,
+    dt_s: float,
+    teaches: bool,
+    settings: FlightParameters,
 ) -> tuple[Motion, Compass]:
     """Motion and compass after the magnetometer's reading, if it is a new one."""
     field = field_of(sample)
     if field is None or not is_due(before.compass, sample, dt_s, settings):
         return motion, unread(before.compass, sample, dt_s)
-    motion, compass = steered(motion, before.compass, sample, field, rate, dt_s, before.declination, settings)
-    moving = before.fixes.lost_s < LOST_S and norm(motion.velocity) > STANDING_SPEED
+    motion, compass = steered(motion, before.compass, sample, field, rate, dt_s, before.declination, teaches, settings)
+    # The vertical velocity is not always measured, and then drifts.
+    moving = before.fixes.lost_s < LOST_S and hypot(motion.velocity[0], motion.velocity[1]) > STANDING_SPEED
     if compass.lost_s > REJECTED_S and not moving:
         motion = with_variances(motion, 0.0, REJECTED_DOUBT**2 * (before.compass.held_s + dt_s))
     return motion, compass

@@ -5,7 +5,7 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import add, clamp, q_exp, q_mul, q_norm, q_unit, scale
+from attest_mav.algebra import add, clamp, dot, q_exp, q_mul, q_norm, q_unit, scale
 from attest_mav.filters.flight.covariance import (
     Covariance,
     Growth,
@@ -65,6 +65,21 @@ class Motion:
         return sqrt(max(0.0, self.p.tt[2][2]))
 
 
+STILL_RATE: Final = 0.05
+"""rad/s: of a turn slower than this no more is seen than noise."""
+STILL_ACCEL: Final = 0.5
+"""m/s^2: the same of an acceleration."""
+
+
+def shown(v: Vec3, least: float) -> Vec3:
+    """v, or zero where it is too small to be more than noise.
+
+    What multiplies an error in a row or a step must be motion: noise would explain itself by it, and in hours at rest
+    the filter would believe in scales and delays that nothing has shown.
+    """
+    return v if dot(v, v) > least * least else (0.0, 0.0, 0.0)
+
+
 def rate_of(motion: Motion, gyro: Vec3) -> Vec3:
     """The body's rate at this gyro reading, rad/s: without bias and scale error."""
     x, y, z = gyro
@@ -113,15 +128,21 @@ def updated(motion: Motion, row: Row, seen: Reach, variance: float) -> Motion:
 
 
 def supposed(motion: Motion, row: Row, seen: Reach, variance: float) -> Motion:
-    """The motion after a row that is only supposed to be true: it teaches nothing of the sensors' scale and bias.
+    """The motion after a row that teaches nothing of the sensors but the gyro's bias.
 
-    What such a row is wrong by lasts, and would be taken for theirs. They stay as they are and as doubtful, and the
-    rest allows for that (Schmidt's filter).
+    That is for one which is only supposed to be true, because what it is wrong by lasts and would be taken for
+    theirs; and for any during a long rest, which shows the same again and again. They stay as they are and as
+    doubtful, and the rest allows for that (Schmidt's filter).
     """
     k = 1.0 / (seen.variance + variance)
     zero: Vec3 = (0.0, 0.0, 0.0)
-    taught = Reach(seen.t, seen.v, seen.b, zero, zero, seen.m, seen.d, seen.variance)
+    taught = Reach(seen.t, seen.v, seen.b, zero, zero, zero, zero, seen.variance)
     return _turned_to(motion, taught, k * row.residual, considered(motion.p, corrected(motion.p, seen, k)))
+
+
+def taken(motion: Motion, row: Row, seen: Reach, variance: float, teaches: bool) -> Motion:
+    """The motion after a measurement, which teaches something of the sensors or not."""
+    return updated(motion, row, seen, variance) if teaches else supposed(motion, row, seen, variance)
 
 
 def _turned_to(motion: Motion, seen: Reach, gain: float, p: Covariance) -> Motion:

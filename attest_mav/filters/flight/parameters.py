@@ -75,7 +75,7 @@ class FlightParameters:
     accel_noise: float = 0.02
     gyro_bias_walk: float = 2e-4
     accel_bias_walk: float = 1e-4
-    gyro_aliasing: float = 0.2
+    gyro_aliasing: float = 0.22
     accel_aliasing: float = 0.1
     aliasing_hold_s: float = 2.0
     velocity_sigma: float = 0.25

@@ -12,7 +12,7 @@ from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import add, is_finite, mat_vec, norm, q_exp, q_mul, q_to_matrix, q_unit, scale, sub
 from attest_mav.filters.flight.covariance import Growth
-from attest_mav.filters.flight.motion import Motion, moved, rate_of
+from attest_mav.filters.flight.motion import STILL_ACCEL, STILL_RATE, Motion, moved, rate_of, shown
 from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.filters.flight.track import Track, longer
 from attest_mav.matrices import mat_add, mat_scale
@@ -127,7 +127,9 @@ def advanced(
     after_step = Strapdown(
         reading.gyro, reading.accel, shape.change_w, shape.change_f, dt_s, force, unrest_w, unrest_f, track
     )
-    return moved(motion, q_nb, velocity, turn, push, rate, growth), after_step
+    gained = shown(sub(velocity, motion.velocity), STILL_ACCEL * dt_s)
+    seen_push = (gained[0], gained[1], gained[2] - settings.gravity * dt_s)
+    return moved(motion, q_nb, velocity, turn, seen_push, shown(rate, STILL_RATE), growth), after_step
 
 
 @mypyc_attr(acyclic=True)

@@ -53,7 +53,12 @@ def begun(t_ns: int) -> Track:
 
 
 def longer(track: Track, t_ns: int, push: Vec3) -> Track:
-    """The history with one more step, whose specific force integrates to ``push`` (NED, m/s)."""
+    """The history with one more step, whose specific force integrates to ``push`` (NED, m/s).
+
+    A clock that does not go on, as one of 32 bits that has wrapped, begins a new one.
+    """
+    if t_ns <= track.head.t_ns:
+        return begun(t_ns)
     points = track.points
     if not points or track.head.t_ns - points[-1].t_ns >= SPACING_NS:
         points = (*points, track.head)

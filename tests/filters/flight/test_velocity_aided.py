@@ -41,8 +41,8 @@ def with_aids(aids, **others):
         velocity=others.get("velocity", aids.velocity),
         declination=others.get("declination", aids.declination),
         inclination=others.get("inclination", aids.inclination),
-        forward_speed=aids.forward_speed,
-        side_speed=aids.side_speed,
+        forward_speed=others.get("forward_speed", aids.forward_speed),
+        side_speed=others.get("side_speed", aids.side_speed),
         in_place=others.get("in_place", aids.in_place),
     )
 
@@ -273,13 +273,41 @@ def test_a_start_in_motion_names_the_velocity_once_it_has_a_row(plane_log):
     assert texts == ["", "just aligned", "velocity from GPS_RAW_INT"]
 
 
-def test_a_split_run_is_a_whole_one_bit_for_bit(plane_log):
-    whole = plane_log.run(last=1500)
-    head = plane_log.run(last=700)
-    rest = plane_log.run(state=head[-1], first=700, last=1500)
-    assert rest[-1].q_nb == whole[-1].q_nb
-    assert rest[-1].tilt_sigma == whole[-1].tilt_sigma
-    assert rest[-1].flying.motion.velocity == whole[-1].flying.motion.velocity
+FLIGHTS = {
+    Aid.VELOCITY: {},
+    Aid.REST: {"in_place": True},
+    Aid.COASTING: {},
+    Aid.AIRSPEED: {"forward_speed": 20.0, "side_speed": 0.0},
+    Aid.GRAVITY: {},
+    Aid.PLACE: {"in_place": True},
+}
+"""What each mode needs besides fixes, or their loss."""
+
+
+def in_mode(flight, aid):
+    """700 samples of the flight in one mode, from take-off on; at rest from the first sample on."""
+    never = aid in {Aid.REST, Aid.GRAVITY, Aid.PLACE}
+    lost_from = 0 if never else 10**6 if aid == Aid.VELOCITY else 800
+
+    def change(k, sample, aids):
+        return sample, with_aids(aids, velocity=None if k >= lost_from else aids.velocity, **FLIGHTS[aid])
+
+    return changed(flight, change), 0 if aid == Aid.REST else 450
+
+
+@pytest.mark.parametrize("aid", list(Aid))
+def test_a_split_run_is_a_whole_one_bit_for_bit(plane_log, copter_log, aid):
+    flight, first = in_mode(plane_log if aid == Aid.AIRSPEED else copter_log, aid)
+    last, cut = first + 700, first + 480
+    whole = flight.run(first=first, last=last)
+    assert aid in {state.flying.aid for state in whole[400:480] if state.aligned}
+    rest = flight.run(state=copy.deepcopy(whole[cut - first - 1]), first=cut, last=last)
+    again = flight.run(first=first, last=last)
+    for other in (rest[-1], again[-1]):
+        assert other.q_nb == whole[-1].q_nb
+        assert (other.tilt_sigma, other.heading_sigma) == (whole[-1].tilt_sigma, whole[-1].heading_sigma)
+        assert other.flying.motion.velocity == whole[-1].flying.motion.velocity
+        assert other.gyro_bias == whole[-1].gyro_bias
 
 
 BAD = st.sampled_from([nan, inf, -inf, 0.0, 1e30, -1e30, 1e-300])
@@ -338,6 +366,68 @@ def test_a_dead_accelerometer_gives_no_attitude_and_does_no_harm(plane_log, has_
         assert np.nanmax(tilt[-250:]) < 3.0
 
 
+@pytest.mark.parametrize("speed", [nan, inf, 1e30])
+def test_a_speed_that_is_none_is_not_read(plane_log, speed):
+    """As a velocity, and as an airspeed when there is none."""
+    lost = VelocitySample("GPS_RAW_INT", 1, 1, 0, 0, (speed, 0.0, 0.0), False)
+
+    def change(k, sample, aids):
+        if k < 1500:
+            return sample, aids
+        late = VelocitySample(lost.source, 1, 1, sample.t_ns, 0, lost.v_ned, False)
+        return sample, with_aids(aids, velocity=late, forward_speed=speed, side_speed=0.0)
+
+    flight = changed(plane_log, change)
+    states = flight.run(first=1000, last=1800)
+    tilt, _ = flight.errors(states, 1000)
+    assert all(state.aligned for state in states[500:])
+    assert states[-1].flying.aid == Aid.COASTING
+    assert np.max(tilt[500:]) < 0.5
+
+
+@pytest.mark.parametrize("falls", [False, True])
+def test_a_start_without_a_force_waits(plane_log, falls):
+    """An accelerometer that shows nothing has no direction, whether it is dead or falls freely."""
+    state = None
+    for k, sample in enumerate(plane_log.samples[1000:1500]):
+        v = (0.0, 0.0, 9.80665 * sample.t_ns * 1e-9 if falls else 0.0)
+        fix = VelocitySample("GPS_RAW_INT", 1, 1, sample.t_ns, 0, v, True)
+        nothing = ImuSample("RAW_IMU", 1, 1, sample.t_ns, 0, sample.gyro, (0.0, 0.0, 0.0), sample.mag)
+        if k == 0:
+            state = VelocityAided().initial(
+                Start((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), North.RELATIVE, nothing.accel, None, at_rest=False)
+            )
+        state = VelocityAided().step(state, 0.02, nothing, with_aids(plane_log.aids[1000 + k], velocity=fix))
+        assert not state.aligned
+        assert q_norm(state.q_nb) == pytest.approx(1.0)
+
+
+def test_a_clock_that_wraps_costs_no_fixes(plane_log):
+    """time_boot_ms has 32 bits; the sensor goes on, only its numbers begin anew."""
+    wrap = 4_294_967_296_000_000
+
+    def change(_k, sample, aids):
+        shift = wrap - 40 * 10**9
+        fix, t_ns = aids.velocity, (sample.t_ns + shift) % wrap
+        late = VelocitySample(fix.source, 1, 1, (fix.t_ns + shift) % wrap, 0, fix.v_ned, False)
+        moved = ImuSample("RAW_IMU", 1, 1, t_ns, 0, sample.gyro, sample.accel, sample.mag)
+        return moved, with_aids(aids, velocity=late)
+
+    flight = changed(plane_log, change)
+    chosen, state, states = VelocityAided(), None, []
+    for sample, aids in zip(flight.samples[1200:2600], flight.aids[1200:2600], strict=True):
+        if state is None:
+            state = chosen.initial(
+                Start((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), North.RELATIVE, sample.accel, sample.mag, at_rest=False)
+            )
+        state = chosen.step(state, 0.02, sample, aids)
+        states.append(state)
+    tilt, _ = flight.errors(states, 1200)
+    assert states[-1].flying.aid == Aid.VELOCITY
+    assert all(state.flying.fixes.lost_s < 1.5 for state in states[400:])
+    assert np.max(tilt[600:]) < 0.5
+
+
 def test_before_anything_it_says_nothing(plane_log):
     sample = plane_log.samples[0]
     state = VelocityAided().initial(
@@ -356,3 +446,33 @@ def test_the_low_pass_of_the_vehicle_is_a_parameter(s_turns, telemetry):
     tilt, _ = flight.errors(flight.run(chosen, last=3000))
     right, _ = flight.errors(flight.run(last=3000))
     assert rms(tilt[1500:]) > 3.0 * rms(right[1500:])
+
+
+def test_an_hour_on_the_ground_teaches_nothing_of_the_sensors(telemetry, copter):
+    """With fixes: noise must not be taken for motion that shows scales, delays, and the accelerometer's bias."""
+    rng = np.random.default_rng(2)
+    flight = telemetry(copter)
+    still, aids = flight.samples[10], flight.aids[10]
+    chosen = VelocityAided()
+    state = chosen.initial(Start((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), North.RELATIVE, still.accel, still.mag, False))
+    for k in range(1, 4 * 3600):
+        t_ns = k * 250_000_000
+        gyro, accel, mag, v = (
+            tuple(float(x) for x in rng.normal(mean, sigma))
+            for mean, sigma in (
+                ((0.004, -0.003, 0.005), 5e-4),
+                (still.accel, 0.05),
+                (still.mag, 1e-3),
+                ((0.0, 0.0, 0.0), 0.07),
+            )
+        )
+        fix = VelocitySample("GPS_RAW_INT", 1, 1, t_ns, 0, (v[0], v[1], 0.0), False)
+        state = chosen.step(
+            state, 0.25, ImuSample("HIGHRES_IMU", 1, 1, t_ns, t_ns, gyro, accel, mag), with_aids(aids, velocity=fix)
+        )
+    motion = state.flying.motion
+    assert motion.gyro_scale == pytest.approx((0.0, 0.0, 0.0), abs=5e-4)
+    assert motion.delays[:2] == pytest.approx((0.06, 0.1), abs=0.005)
+    assert motion.accel_bias == pytest.approx((0.0, 0.0, 0.0), abs=0.03)
+    assert np.linalg.norm(motion.hard_iron) < 0.01
+    assert degrees(state.heading_sigma) > 2.0
