@@ -42,7 +42,8 @@ class Alignment:
     turned: from the body's axes now to those at the start. gyro, force: the last reading (rad/s) and specific force
     in the start's axes (m/s^2). track: of the gains u. fixes: old to new. mag: the last reading as received. field:
     sum of the unit fields in the start's axes, of ``fields`` readings. force_sum: integral of the force since the
-    vehicle is still, m/s. still_s: for how long it is. waited_s: since the start.
+    vehicle is still, m/s. still_s: for how long it is. waited_s: since the start. change: of the gyro between the last
+    two samples, rad/s. missed: variance of the turns that hid between samples, rad^2 (``strapdown`` has the reason).
     """
 
     def __init__(
@@ -58,6 +59,8 @@ class Alignment:
         force_sum: Vec3,
         still_s: float,
         waited_s: float,
+        change: Vec3,
+        missed: float,
     ) -> None:
         self.turned: Final = turned
         self.gyro: Final = gyro
@@ -70,12 +73,16 @@ class Alignment:
         self.force_sum: Final = force_sum
         self.still_s: Final = still_s
         self.waited_s: Final = waited_s
+        self.change: Final = change
+        self.missed: Final = missed
 
 
 def started(reading: Reading, t_ns: int) -> Alignment:
     """The alignment that begins at this sample; its axes are the body's."""
     zero: Vec3 = (0.0, 0.0, 0.0)
-    return Alignment((1.0, 0.0, 0.0, 0.0), reading.gyro, reading.accel, begun(t_ns), (), None, zero, 0, zero, 0.0, 0.0)
+    return Alignment(
+        (1.0, 0.0, 0.0, 0.0), reading.gyro, reading.accel, begun(t_ns), (), None, zero, 0, zero, 0.0, 0.0, zero, 0.0
+    )
 
 
 def continued(
@@ -105,6 +112,8 @@ def continued(
         then = q_mul(turned, q_exp(scale(rate, -0.5 * settings.mag_delay_s)))
         field_sum, fields = add(field_sum, rotate(then, unit(field))), fields + 1
     still = norm(sub(reading.gyro, bias)) < STILL_RATE and abs(norm(reading.accel) - settings.gravity) < STILL_ACCEL
+    change = sub(reading.gyro, so_far.gyro)
+    missed = (settings.gyro_aliasing * norm(sub(change, so_far.change)) * dt_s) ** 2
     moves = under_way if fix is None else norm(fix.v_ned) > MAX_SPEED
     if moves:
         still = False
@@ -120,6 +129,8 @@ def continued(
         add(so_far.force_sum, push) if still else (0.0, 0.0, 0.0),
         so_far.still_s + dt_s if still else 0.0,
         so_far.waited_s + dt_s,
+        change,
+        so_far.missed + missed,
     )
 
 

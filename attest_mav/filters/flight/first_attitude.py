@@ -14,6 +14,7 @@ from attest_mav.algebra import add, cross, norm, q_mul, rotate, scale, sub, unit
 from attest_mav.filters.flight.alignment import Alignment, Fix
 from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.filters.flight.wahba import LEAST_ANGLE, Fit, Pair, fitted, triad
+from attest_mav.matrices import add_diagonal
 from attest_mav.types import Mat3, Quat, Vec3
 
 MIN_BASE_S: Final = 0.45
@@ -65,7 +66,7 @@ def outcome(so_far: Alignment, declination: float, dip: float, settings: FlightP
     if so_far.still_s >= STILL_S and (so_far.fields > 0 or so_far.waited_s > FIELD_PATIENCE_S):
         return _by_gravity(so_far, so_far.force_sum, declination, REST_TILT, REST_HEADING)
     pairs = _pairs(so_far, declination, dip, settings)
-    fit = fitted(pairs) if pairs else None
+    fit = _doubted(fitted(pairs), so_far.missed) if pairs else None
     if fit is not None and (_good(fit, settings) or so_far.waited_s > settings.align_patience_s):
         return _by_velocity(so_far, fit, settings)
     felt = norm(so_far.track.head.gain) > LEAST_FORCE * so_far.waited_s
@@ -100,6 +101,11 @@ def _by_velocity(so_far: Alignment, fit: Fit, settings: FlightParameters) -> Beg
     x, y, z = add(last.v_ned, rotate(fit.q_nb, sub(head.gain, last.gain)))
     velocity = (x, y, z + settings.gravity * (head.t_ns - last.t_ns) * 1e-9)
     return Begin(q_mul(fit.q_nb, so_far.turned), fit.covariance, velocity, settings.velocity_sigma, by_velocity=True)
+
+
+def _doubted(fit: Fit | None, missed: float) -> Fit | None:
+    """The fit, its covariance with what the gyro may have missed since the start."""
+    return None if fit is None else Fit(fit.q_nb, add_diagonal(fit.covariance, missed))
 
 
 def _good(fit: Fit, settings: FlightParameters) -> bool:

@@ -9,6 +9,8 @@ from attest_mav.algebra import q_conj, q_from_euler, q_mul, rotate_back, tilt_be
 from attest_mav.filters.flight.wahba import Pair, fitted, triad
 from attest_mav.types import North
 
+from .conftest import coordinated
+
 Q = q_from_euler(0.7, -0.3, 2.1)
 
 
@@ -111,3 +113,16 @@ def _step(flight, k, state):
             Start((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), North.RELATIVE, sample.accel, sample.mag, at_rest=False)
         )
     return VelocityAided().step(state, 0.02, sample, Aids(declination=flight.aids[k].declination, in_place=False))
+
+
+def test_at_2_hz_a_start_among_rolls_knows_what_it_has_missed(telemetry):
+    """Between samples the wing rolls to the other side and half of the way back."""
+    rolling = coordinated(60.0, lambda t: radians(50.0) * np.sin(2.0 * np.pi * t / 1.7))
+    flight = telemetry(rolling, rate_hz=2.0)
+    inside = []
+    for first in range(2, 90, 2):
+        states = flight.run(first=first, last=first + 20)
+        tilt, _ = flight.errors(states, first)
+        k = np.flatnonzero(np.isfinite(tilt))[0]
+        inside.append(tilt[k] < 3.0 * degrees(states[k].tilt_sigma))
+    assert np.mean(inside) > 0.95
