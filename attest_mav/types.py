@@ -107,6 +107,12 @@ class ImuSample(Sample):
         self.mag: Final = mag
         self.saturated: Final = saturated
 
+    def with_readings(self, gyro: Vec3, accel: Vec3, mag: Vec3 | None) -> "ImuSample":
+        """The same sample with other readings; units as above."""
+        return ImuSample(
+            self.source, self.system, self.component, self.t_ns, self.rx_ns, gyro, accel, mag, self.saturated
+        )
+
 
 class AttitudeSample(Sample):
     """An attitude someone else reports: the autopilot (ATTITUDE, ATTITUDE_QUATERNION, AHRS2) or a simulator's truth.

@@ -11,7 +11,7 @@ from attest_mav.estimation.aiding import Aiding, AidSettings
 from attest_mav.estimation.alignment import Aligner, ecompass
 from attest_mav.estimation.delay import DelayMeter
 from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind
-from attest_mav.estimation.sensors import FieldMonitor, FreezeDetector, without_field
+from attest_mav.estimation.sensors import FieldMonitor, FreezeDetector
 from attest_mav.estimation.timebase import StepKind, TimeBase, TimeStep
 from attest_mav.estimation.track import Track, field_heading
 from attest_mav.filters.base import AttitudeFilter, FilterState, Start, VehicleFacts
@@ -86,7 +86,7 @@ class Lane:
         dt_s = step.dt_s + self._frozen_s
         self._is_frozen, self._frozen_s = False, 0.0
         if not self._field.usable(sample, norm(sample.gyro) * step.dt_s, step.dt_s) and sample.mag is not None:
-            sample = without_field(sample)
+            sample = sample.with_readings(sample.gyro, sample.accel, None)
         self.aiding.advance(sample, step.dt_s)
         self._step(sample, dt_s, events)
         if not self._aligned:

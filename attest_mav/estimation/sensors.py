@@ -64,18 +64,3 @@ class FieldMonitor:
             return False
         self.absent_s = 0.0
         return True
-
-
-def without_field(sample: ImuSample) -> ImuSample:
-    """The same sample with no magnetometer."""
-    return ImuSample(
-        sample.source,
-        sample.system,
-        sample.component,
-        sample.t_ns,
-        sample.rx_ns,
-        sample.gyro,
-        sample.accel,
-        None,
-        sample.saturated,
-    )

@@ -16,7 +16,7 @@ from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import dot, down_in_body, norm, q_exp, q_mul, q_unit, scale, sub
 from attest_mav.filters.base import MAX_CORRECTION_DT_S, Aids, AttitudeFilter, FilterState, Start
-from attest_mav.filters.gradient_options import Learned, prepared, taught, untaught, without_mag
+from attest_mav.filters.gradient_options import Learned, prepared, taught, untaught
 from attest_mav.filters.gradients import descended, field_misfit, full_gradient, gravity_gradient
 from attest_mav.filters.heading_step import headed, heading_error
 from attest_mav.types import G_MPS2, ImuSample, Quat, Vec3
@@ -164,7 +164,7 @@ class GradientDescent(AttitudeFilter):
         if self.heading_rate == 0.0 or mag is None:
             plain = self._plain_step(unbiased, dt_s, fed)
             return OptionState(plain, plain.q_nb, plain.mag_used, learned)
-        plain = self._plain_step(unbiased, dt_s, without_mag(fed))
+        plain = self._plain_step(unbiased, dt_s, fed.with_readings(fed.gyro, fed.accel, None))
         error = heading_error(plain.q_nb, mag)
         if isnan(error):
             return OptionState(plain, plain.q_nb, False, learned)

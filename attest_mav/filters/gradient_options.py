@@ -53,31 +53,10 @@ def taught(
 
 def prepared(learned: Learned, sample: ImuSample, accel_time_s: float, field_gate: bool) -> ImuSample:
     """The sample as the step is to see it; an accelerometer that is not usable stays what it is."""
-    return ImuSample(
-        sample.source,
-        sample.system,
-        sample.component,
-        sample.t_ns,
-        sample.rx_ns,
+    return sample.with_readings(
         sub(sample.gyro, learned.rest.bias),
         learned.inertial.in_body if accel_time_s > 0.0 and shows_force(sample) else sample.accel,
         sample.mag if not field_gate or learned.gate.believed else None,
-        sample.saturated,
-    )
-
-
-def without_mag(sample: ImuSample) -> ImuSample:
-    """The sample without its field."""
-    return ImuSample(
-        sample.source,
-        sample.system,
-        sample.component,
-        sample.t_ns,
-        sample.rx_ns,
-        sample.gyro,
-        sample.accel,
-        None,
-        sample.saturated,
     )
 
 

@@ -12,7 +12,7 @@ from typing import Final
 
 from attest_mav.evaluation.replay.log_time import LogTime
 from attest_mav.mavlink.units import MILLI
-from attest_mav.types import AirDataSample, AttitudeSample, ImuSample, PositionSample, Sample, Vec3, VelocitySample
+from attest_mav.types import AirDataSample, AttitudeSample, ImuSample, PositionSample, Sample, VelocitySample
 
 Edit = Callable[[Sequence[Sample], str], list[Sample]]
 """Samples and the name of the inertial message in, samples out."""
@@ -89,22 +89,7 @@ def _with_field(sample: Sample, gauss: float) -> Sample:
     if not isinstance(sample, ImuSample) or sample.mag is None:
         return sample
     x, y, z = sample.mag
-    return with_readings(sample, sample.gyro, sample.accel, (truncated(restored(x, MILLI) + gauss, MILLI), y, z))
-
-
-def with_readings(sample: ImuSample, gyro: Vec3, accel: Vec3, mag: Vec3 | None) -> ImuSample:
-    """The sample with other readings."""
-    return ImuSample(
-        sample.source,
-        sample.system,
-        sample.component,
-        sample.t_ns,
-        sample.rx_ns,
-        gyro,
-        accel,
-        mag,
-        sample.saturated,
-    )
+    return sample.with_readings(sample.gyro, sample.accel, (truncated(restored(x, MILLI) + gauss, MILLI), y, z))
 
 
 def truncated(value: float, unit: float) -> float:

@@ -27,7 +27,7 @@ from typing import Final
 import numpy as np
 
 from attest_mav.algebra import add
-from attest_mav.evaluation.flight_study.edits import clocked, restored, truncated, with_readings
+from attest_mav.evaluation.flight_study.edits import clocked, restored, truncated
 from attest_mav.evaluation.flight_study.flying import Column
 from attest_mav.mavlink.units import MILLI, MILLI_G
 from attest_mav.types import ImuSample, PositionSample, Sample, Vec3, VelocitySample
@@ -106,7 +106,7 @@ class _Inertial:
                 self._mag, self._read_ns = mag, sample.t_ns
                 self._mag_error = add(self._hard_iron, self._white(errors.mag))
             mag = _sent(mag, self._mag_error, MILLI)
-        return with_readings(sample, gyro, accel, mag)
+        return sample.with_readings(gyro, accel, mag)
 
     def _white(self, sigma: float) -> Vec3:
         x, y, z = sigma * self._rng.standard_normal(3)
