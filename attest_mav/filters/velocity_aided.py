@@ -149,7 +149,7 @@ class VelocityAided(AttitudeFilter):
         bias = before.gyro_bias
         so_far = before.alignment
         contested = before.contested and dt_s <= LONGEST_STEP_S
-        if so_far is None or dt_s > LONGEST_STEP_S:
+        if so_far is None or dt_s > LONGEST_STEP_S or sample.saturated or so_far.saturated:
             so_far = started(reading, sample.t_ns)
         else:
             new = field_of(sample) if sample.mag != so_far.mag else None

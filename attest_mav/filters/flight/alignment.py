@@ -44,6 +44,7 @@ class Alignment:
     sum of the unit fields in the start's axes, of ``fields`` readings. force_sum: integral of the force since the
     vehicle is still, m/s. still_s: for how long it is. waited_s: since the start. change: of the gyro between the last
     two samples, rad/s. missed: variance of the turns that hid between samples, rad^2 (``strapdown`` has the reason).
+    saturated: it began with a reading that shows nothing.
     """
 
     def __init__(
@@ -61,6 +62,7 @@ class Alignment:
         waited_s: float,
         change: Vec3,
         missed: float,
+        saturated: bool,
     ) -> None:
         self.turned: Final = turned
         self.gyro: Final = gyro
@@ -75,13 +77,27 @@ class Alignment:
         self.waited_s: Final = waited_s
         self.change: Final = change
         self.missed: Final = missed
+        self.saturated: Final = saturated
 
 
 def started(reading: Reading, t_ns: int) -> Alignment:
     """The alignment that begins at this sample; its axes are the body's."""
-    zero: Vec3 = (0.0, 0.0, 0.0)
+    zero, upright = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
     return Alignment(
-        (1.0, 0.0, 0.0, 0.0), reading.gyro, reading.accel, begun(t_ns), (), None, zero, 0, zero, 0.0, 0.0, zero, 0.0
+        upright,
+        reading.gyro,
+        reading.accel,
+        begun(t_ns),
+        (),
+        None,
+        zero,
+        0,
+        zero,
+        0.0,
+        0.0,
+        zero,
+        0.0,
+        reading.saturated,
     )
 
 
@@ -131,6 +147,7 @@ def continued(
         so_far.waited_s + dt_s,
         change,
         so_far.missed + missed,
+        False,
     )
 
 

@@ -5,7 +5,7 @@ sharply the readings bend. That bend, remembered for a while, is the noise of th
 motion, and at 4 Hz it is what keeps sigma honest.
 """
 
-from math import exp
+from math import exp, pi
 from typing import Final
 
 from mypy_extensions import mypyc_attr
@@ -36,6 +36,10 @@ SATURATED_ACCEL: Final = 20.0
 """m/s^2: the same for the accelerometer, and for one that cannot be read."""
 
 
+LOST_HEADING: Final = 0.4
+"""rad: a heading less certain than this is lost."""
+BENT_S: Final = 0.2
+"""What a lost heading bends is counted once in this time, as if it were new each time."""
 UNEVEN: Final = 1.5
 """Steps are even while neither is longer than the other by this factor."""
 
@@ -122,7 +126,8 @@ def advanced(
     fade = exp(-dt_s / settings.aliasing_hold_s)
     unrest_w = max(SATURATED_RATE if reading.saturated else shape.bend_w, fade * memory.unrest_w)
     unrest_f = max(SATURATED_ACCEL if reading.saturated else shape.bend_f, fade * memory.unrest_f)
-    growth = _growth(norm(rate), unrest_w, unrest_f, dt_s, settings)
+    bent = _bent(push, motion.heading_sigma, dt_s)
+    growth = _growth(norm(rate), unrest_w, unrest_f, bent, dt_s, settings)
     track = longer(memory.track, t_ns, push)
     after_step = Strapdown(
         reading.gyro, reading.accel, shape.change_w, shape.change_f, dt_s, force, unrest_w, unrest_f, track
@@ -157,12 +162,26 @@ def _shape(memory: Strapdown, reading: Reading, dt_s: float) -> Shape:
     return Shape(change_w, change_f, norm(bend), norm(sub(change_f, memory.change_f)), arch)
 
 
-def _growth(rate: float, unrest_w: float, unrest_f: float, dt_s: float, settings: FlightParameters) -> Growth:
+def _bent(push: Vec3, heading_sigma: float, dt_s: float) -> float:
+    """Variance of what a lost heading does to the velocity beyond what is linear in its error, (m/s)^2.
+
+    A push p turned by an angle h is off by p h, and p h^2 / 2 across that: without a magnetometer this is most of it
+    until a manoeuvre has shown the heading.
+    """
+    if heading_sigma < LOST_HEADING:
+        return 0.0
+    across = 0.5 * min(heading_sigma, pi) ** 2
+    return (push[0] * push[0] + push[1] * push[1]) * across * across * BENT_S / dt_s
+
+
+def _growth(
+    rate: float, unrest_w: float, unrest_f: float, bent: float, dt_s: float, settings: FlightParameters
+) -> Growth:
     """The noise of a step at this rate, rad/s."""
     return Growth(
         (settings.gyro_noise + settings.gyro_rate_noise * rate) ** 2 * dt_s
         + (settings.gyro_aliasing * unrest_w * dt_s) ** 2,
-        settings.accel_noise**2 * dt_s + (settings.accel_aliasing * unrest_f * dt_s) ** 2,
+        settings.accel_noise**2 * dt_s + (settings.accel_aliasing * unrest_f * dt_s) ** 2 + bent,
         settings.gyro_bias_walk**2 * dt_s,
         settings.accel_bias_walk**2 * dt_s if settings.accel_bias_sigma > 0.0 else 0.0,
         settings.hard_iron_walk**2 * dt_s if settings.hard_iron > 0.0 else 0.0,

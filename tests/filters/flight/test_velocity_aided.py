@@ -16,6 +16,8 @@ from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.filters.velocity_aided import VelocityAided
 from attest_mav.types import ImuSample, North, VelocitySample
 
+from .conftest import gusty
+
 
 def rms(x):
     return float(np.sqrt(np.nanmean(np.square(x))))
@@ -184,6 +186,21 @@ def test_without_a_field_the_velocity_holds_the_heading(plane_log):
     assert np.nanmax(np.abs(heading[2000:])) < 2.0
     assert states[-1].heading_sigma > states[1990].heading_sigma
     assert not states[-1].mag_used
+
+
+@pytest.mark.parametrize("heading", [-2.4, 2.4])
+def test_without_a_field_ever_motion_shows_the_heading_and_the_tilt_stays_honest(telemetry, heading):
+    flight = telemetry(
+        gusty(60.0, still_s=5.0, heading=heading), gyro_bias=(0.004, -0.003, 0.005), accel_bias=(0.05, -0.06, 0.04),
+        fix_noise=0.05, gyro_noise=1e-3, accel_noise=0.05,
+    )  # fmt: skip
+    blind = changed(flight, lambda _k, s, a: (with_reading(s, mag=None), a))
+    states = blind.run()
+    tilt, found = blind.errors(states)
+    assert states[200].referred_to == North.RELATIVE
+    assert states[-1].referred_to == North.TRUE
+    assert np.mean(tilt[500:] < 3.0 * np.degrees([s.tilt_sigma for s in states[500:]])) > 0.99
+    assert rms(found[-1000:]) < 2.0
 
 
 def test_a_gap_keeps_the_bias_and_aligns_again(s_turns, telemetry):
