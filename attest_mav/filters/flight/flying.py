@@ -88,7 +88,8 @@ def flown(
     before: Flying, reading: Reading, sample: ImuSample, aids: Aids, dt_s: float, settings: FlightParameters
 ) -> Flying:
     """The flight ``dt_s`` later, at the reading taken then."""
-    motion, strapdown = advanced(before.motion, before.strapdown, reading, dt_s, sample.t_ns, settings)
+    aided = before.fixes.lost_s < LOST_S
+    motion, strapdown = advanced(before.motion, before.strapdown, reading, dt_s, sample.t_ns, aided, settings)
     fixes = waited(before.fixes, dt_s)
     teaches = not before.rest.settled
     fix = aids.velocity

@@ -111,9 +111,15 @@ def specific_force(motion: Motion, accel: Vec3) -> Vec3:
 
 
 def advanced(
-    motion: Motion, memory: Strapdown, reading: Reading, dt_s: float, t_ns: int, settings: FlightParameters
+    motion: Motion,
+    memory: Strapdown,
+    reading: Reading,
+    dt_s: float,
+    t_ns: int,
+    aided: bool,
+    settings: FlightParameters,
 ) -> tuple[Motion, Strapdown]:
-    """Motion and memory ``dt_s`` later, at the reading taken then."""
+    """Motion and memory ``dt_s`` later, at the reading taken then. aided: velocity fixes arrive, which have a north."""
     shape = _shape(memory, reading, dt_s)
     rate = rate_of(motion, sub(scale(add(memory.gyro, reading.gyro), 0.5), shape.arch))
     before = q_to_matrix(motion.q_nb)
@@ -126,7 +132,7 @@ def advanced(
     fade = exp(-dt_s / settings.aliasing_hold_s)
     unrest_w = max(SATURATED_RATE if reading.saturated else shape.bend_w, fade * memory.unrest_w)
     unrest_f = max(SATURATED_ACCEL if reading.saturated else shape.bend_f, fade * memory.unrest_f)
-    bent = _bent(push, motion.heading_sigma, dt_s)
+    bent = _bent(push, motion.heading_sigma, dt_s) if aided else 0.0
     growth = _growth(norm(rate), unrest_w, unrest_f, bent, dt_s, settings)
     track = longer(memory.track, t_ns, push)
     after_step = Strapdown(
