@@ -8,17 +8,16 @@ import logging
 from collections.abc import Callable, Sequence
 from math import degrees, isfinite, nan, radians
 
-from attest_mav.config import Config, LinkConfig
+from attest_mav.config import Config
 from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.pipeline import Pipeline
 from attest_mav.filters.base import VehicleFacts
-from attest_mav.mavlink.companion import ACTIVE, BOOT, CALIBRATING, CRITICAL, Companion, CompanionSettings
+from attest_mav.mavlink.companion import ACTIVE, BOOT, CALIBRATING, CRITICAL, Companion
 from attest_mav.mavlink.decoding import Decoder, of_message
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.framing import Framer
 from attest_mav.mavlink.parameters import facts_of_firmware
-from attest_mav.mavlink.port import PortSettings
-from attest_mav.mavlink.vehicle_data import POSITION_MESSAGES, DataSettings
+from attest_mav.runtime.companion_setup import companion_settings, port_settings
 from attest_mav.runtime.status import verdict_text
 from attest_mav.types import EarthField, Estimate, HeartbeatSample, ImuSample, ParameterSample, PositionSample, Sample
 
@@ -224,31 +223,3 @@ class Service:
             if source in of_message(stream.name) and self._told.get(source) != reason:
                 self._told[source] = reason
                 log.warning("%s", reason)
-
-
-def port_settings(link: LinkConfig) -> PortSettings:
-    """What a link carries, from its configuration."""
-    return PortSettings(
-        attitude="attitude_quaternion" in link.publish,
-        covariance="attitude_quaternion_cov" in link.publish,
-        named_values="named_values" in link.publish,
-        yields=link.yield_to_onboard,
-    )
-
-
-def companion_settings(config: Config) -> CompanionSettings:
-    """Who we are and what we ask for, from the configuration."""
-    streams = config.streams
-    used = (config.aiding.forward_speed, config.aiding.velocity)
-    data = DataSettings(
-        asks=streams.request,
-        restores=streams.request and streams.restore,
-        imu_messages=streams.imu_messages,
-        imu_hz=streams.imu_hz,
-        attitude_hz=streams.attitude_hz,
-        aiding_hz=streams.aiding_hz,
-        positions=tuple(name for name in POSITION_MESSAGES if name in used),
-        assumed=config.filter.build().assumed,
-    )
-    output = config.output
-    return CompanionSettings(config.vehicle.system_id, output.system_id, output.component_id, output.rate_hz, data)

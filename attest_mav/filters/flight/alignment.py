@@ -123,16 +123,14 @@ def continued(
     force = rotate(turned, reading.accel)
     push = scale(add(so_far.force, force), 0.5 * dt_s)
     track = longer(so_far.track, t_ns, push)
-    field_sum, fields = so_far.field, so_far.fields
+    field_sum = so_far.field
     if field is not None:
         then = q_mul(turned, q_exp(scale(rate, -0.5 * settings.mag_delay_s)))
-        field_sum, fields = add(field_sum, rotate(then, unit(field))), fields + 1
-    still = norm(sub(reading.gyro, bias)) < STILL_RATE and abs(norm(reading.accel) - settings.gravity) < STILL_ACCEL
+        field_sum = add(field_sum, rotate(then, unit(field)))
+    moves = under_way if fix is None else norm(fix.v_ned) > MAX_SPEED
+    still = not moves and _is_quiet(reading, bias, settings)
     change = sub(reading.gyro, so_far.gyro)
     missed = (settings.gyro_aliasing * norm(sub(change, so_far.change)) * dt_s) ** 2
-    moves = under_way if fix is None else norm(fix.v_ned) > MAX_SPEED
-    if moves:
-        still = False
     return Alignment(
         turned,
         reading.gyro,
@@ -141,7 +139,7 @@ def continued(
         _with_fix(so_far.fixes, fix, track, settings),
         so_far.mag if mag is None else mag,
         field_sum,
-        fields,
+        so_far.fields + (0 if field is None else 1),
         add(so_far.force_sum, push) if still else (0.0, 0.0, 0.0),
         so_far.still_s + dt_s if still else 0.0,
         so_far.waited_s + dt_s,
@@ -149,6 +147,11 @@ def continued(
         so_far.missed + missed,
         False,
     )
+
+
+def _is_quiet(reading: Reading, bias: Vec3, settings: FlightParameters) -> bool:
+    """True for a reading as at rest."""
+    return norm(sub(reading.gyro, bias)) < STILL_RATE and abs(norm(reading.accel) - settings.gravity) < STILL_ACCEL
 
 
 def _with_fix(

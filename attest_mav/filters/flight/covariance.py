@@ -205,35 +205,17 @@ def corrected(p: Covariance, g: Reach, k: float) -> Covariance:
     """P - (P h)(P h)^T k, with k = 1/(h^T P h + r): the covariance after a row of noise variance r."""
     t, v, b, s, a, m = scale(g.t, k), scale(g.v, k), scale(g.b, k), scale(g.s, k), scale(g.a, k), scale(g.m, k)
     return Covariance(
-        minus_outer(p.tt, t, g.t),
-        minus_outer(p.tv, t, g.v),
-        minus_outer(p.tb, t, g.b),
-        minus_outer(p.ts, t, g.s),
-        minus_outer(p.ta, t, g.a),
-        minus_outer(p.tm, t, g.m),
-        minus_outer(p.td, t, g.d),
-        minus_outer(p.vv, v, g.v),
-        minus_outer(p.vb, v, g.b),
-        minus_outer(p.vs, v, g.s),
-        minus_outer(p.va, v, g.a),
-        minus_outer(p.vm, v, g.m),
-        minus_outer(p.vd, v, g.d),
-        minus_outer(p.bb, b, g.b),
-        minus_outer(p.bs, b, g.s),
-        minus_outer(p.ba, b, g.a),
-        minus_outer(p.bm, b, g.m),
+        minus_outer(p.tt, t, g.t), minus_outer(p.tv, t, g.v), minus_outer(p.tb, t, g.b), minus_outer(p.ts, t, g.s),
+        minus_outer(p.ta, t, g.a), minus_outer(p.tm, t, g.m), minus_outer(p.td, t, g.d),
+        minus_outer(p.vv, v, g.v), minus_outer(p.vb, v, g.b), minus_outer(p.vs, v, g.s), minus_outer(p.va, v, g.a),
+        minus_outer(p.vm, v, g.m), minus_outer(p.vd, v, g.d),
+        minus_outer(p.bb, b, g.b), minus_outer(p.bs, b, g.s), minus_outer(p.ba, b, g.a), minus_outer(p.bm, b, g.m),
         minus_outer(p.bd, b, g.d),
-        minus_outer(p.ss, s, g.s),
-        minus_outer(p.sa, s, g.a),
-        minus_outer(p.sm, s, g.m),
-        minus_outer(p.sd, s, g.d),
-        minus_outer(p.aa, a, g.a),
-        minus_outer(p.am, a, g.m),
-        minus_outer(p.ad, a, g.d),
-        minus_outer(p.mm, m, g.m),
-        minus_outer(p.md, m, g.d),
+        minus_outer(p.ss, s, g.s), minus_outer(p.sa, s, g.a), minus_outer(p.sm, s, g.m), minus_outer(p.sd, s, g.d),
+        minus_outer(p.aa, a, g.a), minus_outer(p.am, a, g.m), minus_outer(p.ad, a, g.d),
+        minus_outer(p.mm, m, g.m), minus_outer(p.md, m, g.d),
         minus_outer(p.dd, scale(g.d, k), g.d),
-    )
+    )  # fmt: skip
 
 
 def considered(before: Covariance, p: Covariance) -> Covariance:
