@@ -29,7 +29,7 @@ from attest_mav.filters.base import Aids, AttitudeFilter, FilterState, Start, Ve
 from attest_mav.filters.flight.alignment import Alignment, continued, started
 from attest_mav.filters.flight.beginning import beginning, redeclined
 from attest_mav.filters.flight.compass import field_of
-from attest_mav.filters.flight.first_attitude import GUESSED_TILT, outcome
+from attest_mav.filters.flight.first_attitude import GUESSED_TILT, Basis, outcome
 from attest_mav.filters.flight.fixes import low_pass_delay_s
 from attest_mav.filters.flight.flying import Aid, Flying, flown, is_wing_flying
 from attest_mav.filters.flight.motion import Motion, is_sound, rate_of
@@ -169,7 +169,7 @@ class VelocityAided(AttitudeFilter):
             q_nb = q_mul(before.q_nb, q_exp(turn))
             return self._waiting(q_nb, bias, so_far, flying, gap_s, contested, before.doubt)
         begun = beginning(begin, flying, reading, sample.t_ns, bias, aids.declination, gap_s, settings)
-        doubt = max(before.doubt, GUESSED_TILT) if begin.guessed else before.doubt
+        doubt = max(before.doubt, GUESSED_TILT) if begin.basis == Basis.GUESS else before.doubt
         if contested and flying is not None:
             doubt = max(doubt, _contradiction(begun.motion, before.q_nb, flying.motion))
         return self._shown(begun, before.q_nb, doubt)

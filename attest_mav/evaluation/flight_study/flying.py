@@ -2,7 +2,7 @@
 
 from array import array
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
 from math import nan
 from typing import Final
@@ -16,6 +16,7 @@ from attest_mav.evaluation.replay.comparison import Row
 from attest_mav.evaluation.replay.engine import Recording, record
 from attest_mav.evaluation.replay.flight import AUTOPILOT_ROW, Flight, Window
 from attest_mav.filters.base import AttitudeFilter
+from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.filters.registry import default_filter
 from attest_mav.filters.velocity_aided import VelocityAided
 from attest_mav.mavlink.dialect import load_dialect
@@ -108,7 +109,9 @@ class Chosen:
         try:
             return VelocityAided(replace(one.parameters, **self.parameters))
         except TypeError:
-            raise UsageError(f"--set {', '.join(self.parameters)}: not all are fields of FlightParameters") from None
+            known = [each.name for each in fields(FlightParameters)]
+            unknown = ", ".join(sorted(set(self.parameters) - set(known)))
+            raise UsageError(f"--set {unknown}: unknown parameter; expected of {', '.join(known)}") from None
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from typing import Final
 
 from attest_mav.filters.flight.compass import no_field
 from attest_mav.filters.flight.covariance import Covariance, Row
-from attest_mav.filters.flight.first_attitude import Begin
+from attest_mav.filters.flight.first_attitude import Basis, Begin
 from attest_mav.filters.flight.fixes import no_fixes, resumed
 from attest_mav.filters.flight.flying import Aid, Flying
 from attest_mav.filters.flight.motion import Motion, reach_of, updated
@@ -45,7 +45,7 @@ def beginning(
         declined, north = before.declined, before.declination
         motion = _kept_motion(begin, before.motion, gap_s, settings)
         known_fixes, compass, air = before.fixes, before.compass, before.air
-    fixes = resumed(known_fixes, begin.by_velocity)
+    fixes = resumed(known_fixes, begin.basis == Basis.VELOCITY)
     force = specific_force(motion, reading.accel)
     zero: Vec3 = (0.0, 0.0, 0.0)
     strapdown = Strapdown(reading.gyro, reading.accel, zero, zero, 0.0, force, 0.0, 0.0, begun(t_ns))

@@ -5,6 +5,7 @@ axes. Where the vertical velocity is not measured its part follows from the leng
 another direction, and Wahba's problem the attitude. At rest the mean specific force is gravity, and no fix is needed.
 """
 
+from enum import IntEnum
 from math import cos, isfinite, pi, sin, sqrt
 from typing import Final
 
@@ -41,42 +42,50 @@ GUESSED_HEADING: Final = 0.7
 GUESSED_SPEED: Final = 10.0
 
 
+class Basis(IntEnum):
+    """What a first attitude was made of."""
+
+    REST = 0
+    """Gravity, of a vehicle at rest."""
+    VELOCITY = 1
+    """Velocity fixes."""
+    GUESS = 2
+    """Acceleration, taken for gravity."""
+
+
 @mypyc_attr(acyclic=True)
 class Begin:
     """Where the filter begins: attitude and velocity (NED, m/s) now, and how well they are known.
 
-    attitude: covariance of the attitude's error, rad^2. velocity_sigma: m/s. by_velocity: from fixes.
+    attitude: covariance of the attitude's error, rad^2. velocity_sigma: m/s.
     """
 
-    def __init__(self, q_nb: Quat, attitude: Mat3, velocity: Vec3, velocity_sigma: float, by_velocity: bool) -> None:
+    def __init__(self, q_nb: Quat, attitude: Mat3, velocity: Vec3, velocity_sigma: float, basis: Basis) -> None:
         self.q_nb: Final = q_nb
         self.attitude: Final = attitude
         self.velocity: Final = velocity
         self.velocity_sigma: Final = velocity_sigma
-        self.by_velocity: Final = by_velocity
-
-    @property
-    def guessed(self) -> bool:
-        """True when it takes acceleration for gravity."""
-        return not self.by_velocity and self.velocity_sigma == GUESSED_SPEED
+        self.basis: Final = basis
 
 
 def outcome(so_far: Alignment, declination: float, dip: float, settings: FlightParameters) -> Begin | None:
     """Where to begin, None while that is not known well enough. declination, dip: rad, dip NaN when it is not known."""
     if so_far.still_s >= STILL_S and (so_far.fields > 0 or so_far.waited_s > FIELD_PATIENCE_S):
-        return _by_gravity(so_far, so_far.force_sum, declination, REST_TILT, REST_HEADING)
+        return _by_gravity(so_far, so_far.force_sum, declination, Basis.REST)
     pairs = _pairs(so_far, declination, dip, settings)
     fit = _doubted(fitted(pairs), so_far.missed) if pairs else None
     if fit is not None and (_good(fit, settings) or so_far.waited_s > settings.align_patience_s):
         return _by_velocity(so_far, fit, settings)
     felt = norm(so_far.track.head.gain) > LEAST_FORCE * so_far.waited_s
     if felt and so_far.waited_s > settings.align_patience_s:
-        return _by_gravity(so_far, so_far.track.head.gain, declination, GUESSED_TILT, GUESSED_HEADING)
+        return _by_gravity(so_far, so_far.track.head.gain, declination, Basis.GUESS)
     return None
 
 
-def _by_gravity(so_far: Alignment, gain: Vec3, declination: float, tilt: float, heading: float) -> Begin:
-    """Begin as if ``gain`` pointed up. tilt, heading: sigmas, rad."""
+def _by_gravity(so_far: Alignment, gain: Vec3, declination: float, basis: Basis) -> Begin:
+    """Begin as if ``gain`` pointed up, at rest or as a guess."""
+    rests = basis == Basis.REST
+    tilt, heading = (REST_TILT, REST_HEADING) if rests else (GUESSED_TILT, GUESSED_HEADING)
     down = scale(gain, -1.0 / norm(gain))
     east = cross(down, so_far.field)
     known = so_far.fields > 0 and norm(east) > LEAST_ANGLE * so_far.fields
@@ -90,8 +99,8 @@ def _by_gravity(so_far: Alignment, gain: Vec3, declination: float, tilt: float, 
     variance = (heading if known else pi) ** 2
     attitude = ((tilt * tilt, 0.0, 0.0), (0.0, tilt * tilt, 0.0), (0.0, 0.0, variance))
     velocity = so_far.fixes[-1].v_ned if so_far.fixes else (0.0, 0.0, 0.0)
-    sigma = REST_SPEED if tilt == REST_TILT else GUESSED_SPEED
-    return Begin(q_mul(q_nb, so_far.turned), attitude, velocity, sigma, by_velocity=False)
+    sigma = REST_SPEED if rests else GUESSED_SPEED
+    return Begin(q_mul(q_nb, so_far.turned), attitude, velocity, sigma, basis)
 
 
 def _by_velocity(so_far: Alignment, fit: Fit, settings: FlightParameters) -> Begin:
@@ -100,7 +109,7 @@ def _by_velocity(so_far: Alignment, fit: Fit, settings: FlightParameters) -> Beg
     head = so_far.track.head
     x, y, z = add(last.v_ned, rotate(fit.q_nb, sub(head.gain, last.gain)))
     velocity = (x, y, z + settings.gravity * (head.t_ns - last.t_ns) * 1e-9)
-    return Begin(q_mul(fit.q_nb, so_far.turned), fit.covariance, velocity, settings.velocity_sigma, by_velocity=True)
+    return Begin(q_mul(fit.q_nb, so_far.turned), fit.covariance, velocity, settings.velocity_sigma, Basis.VELOCITY)
 
 
 def _doubted(fit: Fit | None, missed: float) -> Fit | None:

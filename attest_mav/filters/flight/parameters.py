@@ -41,7 +41,8 @@ class FlightParameters:
     lies on the gate.
     mag_sigma, mag_floor, mag_ceiling: the same three for the magnetometer, as a share of the field. mag_jitter_s: of
     the time of a reading. mag_spacing_s: readings that come faster are skipped. mag_knee: sigmas from which its
-    variance grows with the residual (paper 2, eq. (16)). mag_gate: sigmas from which it is rejected.
+    variance grows with the residual (paper 2, eq. (16)). mag_gate: sigmas from which a
+    reading tells of a disturbance as large as itself.
     disturbance_free: deviation of the field's strength or dip, as a share, that is no disturbance.
     disturbance_weight: how much of a visible disturbance is believed to lie across the heading; it is remembered
     for disturbance_hold_s.
