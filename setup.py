@@ -9,7 +9,18 @@ from pathlib import Path
 
 from setuptools import setup
 
-CORE = ["types.py", "algebra.py", "matrices.py", "filters", "estimation", "mavlink", "evaluation/replay"]
+CORE = [
+    "types.py",
+    "algebra.py",
+    "matrices.py",
+    "matrices4.py",
+    "low_pass.py",
+    "filters",
+    "estimation",
+    "mavlink",
+    "logs/tlog",
+    "replay",
+]
 
 
 def core_extensions():

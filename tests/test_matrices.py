@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from attest_mav import matrices as m
-from attest_mav.filters import matrices4 as m4
+from attest_mav import matrices4 as m4
 
 
 def rows(array):

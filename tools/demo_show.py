@@ -18,9 +18,9 @@ from pathlib import Path
 from typing import IO
 
 from attest_mav.algebra import heading_between, q_to_euler, tilt_between
-from attest_mav.mavlink.decoding import Decoder
+from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.dialect import load_dialect
-from attest_mav.mavlink.framing import Framer
+from attest_mav.mavlink.wire.framer import Framer
 from attest_mav.sim.autopilot import FakeAutopilot
 from attest_mav.sim.settings import SimSettings
 from attest_mav.types import AttitudeSample, Quat

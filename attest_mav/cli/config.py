@@ -2,8 +2,8 @@
 
 import click
 
-from attest_mav.config import Config, parse_config
-from attest_mav.config_text import to_toml
+from attest_mav.config.records import Config, parse_config
+from attest_mav.config.text import to_toml
 from attest_mav.runtime.files import read_config
 
 

@@ -11,8 +11,8 @@ from attest_mav.runtime.files import atomic_write
 from attest_mav.runtime.stop_signals import ignore_interrupts
 
 if TYPE_CHECKING:
-    from attest_mav.evaluation.figures import PaperFigure
     from attest_mav.evaluation.harness import Outcome, Scenario
+    from attest_mav.evaluation.papers.figures import PaperFigure
 
 DEFAULT_SEED = 1
 MISSED = 1
@@ -41,7 +41,7 @@ def command(
     A NAME is an id such as P1-a, or the beginning of several such as P1; without one, all run. The bounds are meant
     for the default number of runs: with fewer, one may be missed by chance. Exit code 1 when one is missed.
     """
-    from attest_mav.evaluation.scenarios import select  # noqa: PLC0415 - numpy is slow to import
+    from attest_mav.evaluation.papers.scenarios import select  # noqa: PLC0415 - numpy is slow to import
 
     chosen = select(names)
     drawings = [] if folder is None else prepare_figures(folder, chosen)
@@ -58,7 +58,7 @@ def command(
 
 def prepare_figures(folder: str, chosen: "list[Scenario]") -> "list[PaperFigure]":
     """The figures of the chosen scenarios' papers, once it is clear that they can be drawn and kept."""
-    from attest_mav.evaluation.figures import figures_for  # noqa: PLC0415 - numpy is slow to import
+    from attest_mav.evaluation.papers.figures import figures_for  # noqa: PLC0415 - numpy is slow to import
 
     found = figures_for([scenario.id for scenario in chosen])
     try:

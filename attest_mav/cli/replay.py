@@ -13,16 +13,16 @@ import click
 
 from attest_mav.cli.progress import ProgressBar
 from attest_mav.errors import AttestMavError, UnreadableDataError, UnwritableError, UsageError
-from attest_mav.evaluation.replay.engine import Outputs, Request, replay
-from attest_mav.evaluation.replay.flight import Window
-from attest_mav.evaluation.replay.plan import check_names
-from attest_mav.evaluation.replay.report import as_json
-from attest_mav.evaluation.replay.rows import RowWriter
-from attest_mav.evaluation.replay.survey import IMU_MESSAGES, NAMED_REFERENCES
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.registry import default_filter, filter_names
 from attest_mav.logs.detect import HEAD_BYTES, require_format
+from attest_mav.logs.tlog.survey import IMU_MESSAGES, NAMED_REFERENCES
 from attest_mav.mavlink.dialect import Dialect, load_dialect
+from attest_mav.replay.engine import Outputs, Request, replay
+from attest_mav.replay.flight import Window
+from attest_mav.replay.plan import check_names
+from attest_mav.replay.report import as_json
+from attest_mav.replay.rows import RowWriter
 from attest_mav.runtime.files import atomic_write, open_log
 
 AUTO: Final = "auto"

@@ -11,11 +11,11 @@ from rich.table import Table
 PIPE_COLUMNS = 120
 """Width where there is no terminal to ask."""
 CONSISTENT = ("63.2  98.2  99.9", "1.00", "68.3  95.4  99.7", "1.00")
-"""Shares within 1, 2 and 3 sigma and rms, of tilt and heading (``attest_mav.evaluation.replay.consistency``)."""
+"""Shares within 1, 2 and 3 sigma and rms, of tilt and heading (``attest_mav.replay.consistency``)."""
 
 
 def print_report(report: dict[str, Any]) -> None:
-    """Print one log's report (``attest_mav.evaluation.replay.report.as_json``) on standard output."""
+    """Print one log's report (``attest_mav.replay.report.as_json``) on standard output."""
     console = Console(markup=False, highlight=False, emoji=False)
     if not console.is_terminal:
         console = Console(markup=False, highlight=False, emoji=False, width=PIPE_COLUMNS)

@@ -4,7 +4,7 @@ import time
 
 import click
 
-from attest_mav.config import Config, parse_config
+from attest_mav.config.records import Config, parse_config
 from attest_mav.errors import UsageError
 from attest_mav.runtime.daemon import Daemon
 from attest_mav.runtime.files import read_config
@@ -41,7 +41,7 @@ def load_config(config_file: str | None, urls: tuple[str, ...]) -> Config:
 def find_field(latitude_deg: float, longitude_deg: float, altitude_m: float) -> tuple[EarthField, str]:
     """The Earth's field there and now, and the model it comes from."""
     # Imported at the first position: it takes time, and some vehicles never have one.
-    from attest_mav.evaluation.field_model import field_at  # noqa: PLC0415
+    from attest_mav.earth_field import field_at  # noqa: PLC0415
 
     found = field_at(latitude_deg, longitude_deg, altitude_m, time.time())
     return found.direction, found.source

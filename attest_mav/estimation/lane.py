@@ -7,13 +7,13 @@ from math import isfinite
 from typing import Final
 
 from attest_mav.algebra import is_finite, norm, q_norm
-from attest_mav.estimation.aiding import Aiding, AidSettings
 from attest_mav.estimation.alignment import Aligner, ecompass
 from attest_mav.estimation.delay import DelayMeter
 from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind
 from attest_mav.estimation.sensors import FieldMonitor, FreezeDetector
 from attest_mav.estimation.timebase import StepKind, TimeBase, TimeStep
 from attest_mav.estimation.track import Track, field_heading
+from attest_mav.estimation.vehicle import Aiding, AidSettings
 from attest_mav.filters.base import AttitudeFilter, FilterState, Start, VehicleFacts
 from attest_mav.types import ImuSample, North
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from math import nan
 from typing import Final
 
-from attest_mav.estimation.aiding import AidSettings
 from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.lane import Lane
+from attest_mav.estimation.vehicle import AidSettings
 from attest_mav.estimation.verdict import Judge, VerdictSettings
 from attest_mav.filters.base import AttitudeFilter, VehicleFacts
 from attest_mav.types import AttitudeSample, EarthField, Estimate, ImuSample, ParameterSample, Sample

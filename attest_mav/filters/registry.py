@@ -2,10 +2,10 @@
 
 from attest_mav.errors import UsageError
 from attest_mav.filters.base import AttitudeFilter
-from attest_mav.filters.gradient_descent import GradientDescent
-from attest_mav.filters.leveling import Leveling
-from attest_mav.filters.robust_adaptive import RobustAdaptive
-from attest_mav.filters.velocity_aided import VelocityAided
+from attest_mav.filters.gradient_descent.filter import GradientDescent
+from attest_mav.filters.leveling.filter import Leveling
+from attest_mav.filters.robust_adaptive.filter import RobustAdaptive
+from attest_mav.filters.velocity_aided.filter import VelocityAided
 
 
 def filter_names() -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from importlib import import_module
 from struct import Struct, calcsize
 from typing import Any, Final
 
-from attest_mav.mavlink.checksum import MIRROR
+from attest_mav.mavlink.wire.checksum import MIRROR
 
 FieldValue = int | float | bytes | list[int] | list[float]
 

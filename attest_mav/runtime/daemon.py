@@ -6,13 +6,13 @@ import selectors
 import socket
 import time
 
-from attest_mav.config import Config
-from attest_mav.link_url import Scheme, parse_link
+from attest_mav.config.link_url import Scheme, parse_link
+from attest_mav.config.records import Config
 from attest_mav.mavlink.dialect import Dialect, load_dialect
-from attest_mav.runtime.links import Link, open_link
+from attest_mav.runtime.links.base import Link, open_link
 from attest_mav.runtime.notify import Notifier
-from attest_mav.runtime.service import FieldFinder, Service
-from attest_mav.runtime.status import StatusLine
+from attest_mav.service.service import FieldFinder, Service
+from attest_mav.service.status import StatusLine
 
 log = logging.getLogger("attest_mav.daemon")
 
@@ -154,7 +154,7 @@ def open_links(config: Config, dialect: Dialect, now_ns: int) -> list[Link]:
             url = parse_link(one.url)
             if url.scheme is Scheme.SIM:
                 # Imported here: a real vehicle needs no simulation.
-                from attest_mav.runtime.sim_link import SimLink  # noqa: PLC0415
+                from attest_mav.runtime.links.sim import SimLink  # noqa: PLC0415
 
                 links.append(SimLink(url, dialect, now_ns))
             else:

@@ -9,7 +9,7 @@ import socket
 import time
 from typing import Final
 
-from attest_mav.runtime.links import Link
+from attest_mav.runtime.links.base import Link
 from attest_mav.sim.autopilot import FakeAutopilot
 
 SLICE_NS: Final = 100_000_000

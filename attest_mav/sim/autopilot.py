@@ -15,9 +15,9 @@ from math import ceil
 from typing import Final
 
 from attest_mav.errors import UsageError
+from attest_mav.mavlink.component.encoder import Encoder
 from attest_mav.mavlink.dialect import Dialect, load_dialect
-from attest_mav.mavlink.encoding import Encoder
-from attest_mav.mavlink.framing import Frame, Framer
+from attest_mav.mavlink.wire.framer import Frame, Framer
 from attest_mav.sim.commands import UNDERSTOOD, Commands
 from attest_mav.sim.messages import Messages, within
 from attest_mav.sim.motion import Motion

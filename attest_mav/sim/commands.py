@@ -10,7 +10,7 @@ from math import isfinite
 from typing import Final
 
 from attest_mav.mavlink.dialect import Dialect
-from attest_mav.mavlink.framing import Frame
+from attest_mav.mavlink.wire.framer import Frame
 from attest_mav.sim.personality import RESULT_ACCEPTED, RESULT_DENIED, RESULT_FAILED, RESULT_UNSUPPORTED, Personality
 from attest_mav.sim.streams import Streams
 

@@ -12,8 +12,8 @@ from attest_mav.algebra import heading_between
 from attest_mav.estimation.events import LaneEvent
 from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.filters.base import VehicleFacts
-from attest_mav.filters.flight.parameters import FlightParameters
-from attest_mav.filters.velocity_aided import VelocityAided
+from attest_mav.filters.velocity_aided.filter import VelocityAided
+from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.types import Estimate, ParameterSample, Setting
 
 DT = 0.02

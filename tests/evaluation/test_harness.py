@@ -7,7 +7,7 @@ import pytest
 
 from attest_mav.errors import UsageError
 from attest_mav.evaluation.harness import Outcome, Scenario, processes
-from attest_mav.evaluation.scenarios import all_scenarios, select
+from attest_mav.evaluation.papers.scenarios import all_scenarios, select
 
 
 def outcome(value, bounds=(1.0, 2.0)):

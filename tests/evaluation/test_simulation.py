@@ -7,7 +7,7 @@ from attest_mav.evaluation.attitude_error import accuracy, error_vectors
 from attest_mav.evaluation.motion import euler_to_quaternion, motion, multiply, times
 from attest_mav.evaluation.simulation import SensorErrors, imu_samples, run_filter
 from attest_mav.filters.base import Aids, Start
-from attest_mav.filters.gradient_descent import GradientDescent
+from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.types import G_MPS2, North
 
 T = times(100.0, 100.0)

@@ -11,7 +11,7 @@ import sys
 from attest_mav import algebra
 from attest_mav.algebra import q_exp, q_heading, q_mul, q_unit, rotate_back
 from attest_mav.filters.base import Aids, Start
-from attest_mav.filters.gradient_descent import GradientDescent
+from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.registry import default_filter
 from attest_mav.types import ImuSample, North, VelocitySample
 

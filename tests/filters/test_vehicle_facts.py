@@ -5,9 +5,9 @@ from math import isnan, nan
 import pytest
 
 from attest_mav.filters.base import VehicleFacts
-from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.filters.registry import default_filter
-from attest_mav.filters.velocity_aided import VelocityAided
+from attest_mav.filters.velocity_aided.filter import VelocityAided
+from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.types import Setting
 
 FACTS = VehicleFacts(42.0, 0.25)

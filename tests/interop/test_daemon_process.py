@@ -202,7 +202,7 @@ def test_it_runs_where_no_memory_is_both_writable_and_executable(start_command, 
 def test_run_imports_neither_numpy_nor_rich_nor_prometheus():
     """Each would cost memory and start-up time that a daemon has no use for."""
     program = (
-        "import sys, attest_mav.cli.run, attest_mav.runtime.sim_link, attest_mav.runtime.serial_link;"
+        "import sys, attest_mav.cli.run, attest_mav.runtime.links.sim, attest_mav.runtime.links.serial;"
         "from attest_mav.mavlink.dialect import load_dialect; load_dialect();"
         "from attest_mav.cli.run import find_field; find_field(47.0, 8.0, 400.0);"
         "print([name for name in ('numpy', 'rich', 'prometheus_client', 'pymavlink.mavutil') if name in sys.modules])"

@@ -5,7 +5,7 @@ import random
 import pytest
 from pymavlink import mavutil
 
-from attest_mav.logs.tlog import TlogReader
+from attest_mav.logs.tlog.reader import TlogReader
 
 REPLACED = -1
 """The origin of a byte that is not the log's own."""

@@ -2,8 +2,8 @@
 
 import collections
 
-from attest_mav.logs.tlog import TlogReader
-from attest_mav.mavlink.decoding import Decoder
+from attest_mav.logs.tlog.reader import TlogReader
+from attest_mav.mavlink.decode.decoder import Decoder
 
 COPTER = {
     "HEARTBEAT": 319,

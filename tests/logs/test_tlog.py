@@ -9,8 +9,8 @@ import tracemalloc
 import pytest
 from pymavlink import mavutil
 
-from attest_mav.logs.tlog import TlogReader, read_tlog, tlog_record
-from attest_mav.mavlink.recording import MARGIN, Recording
+from attest_mav.logs.tlog.reader import TlogReader, read_tlog, tlog_record
+from attest_mav.logs.tlog.walker import MARGIN, Recording
 
 TOTALS = {
     "sitl/copter_square.tlog": 158210,

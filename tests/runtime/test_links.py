@@ -8,10 +8,10 @@ import termios
 
 import pytest
 
+from attest_mav.config.link_url import parse_link
 from attest_mav.errors import LinkError
-from attest_mav.link_url import parse_link
-from attest_mav.runtime.links import BUFFER_BYTES, FIRST_RETRY_NS, LONGEST_RETRY_NS, Backoff, open_link
-from attest_mav.runtime.udp_links import MAX_PEERS, PEER_SILENCE_NS
+from attest_mav.runtime.links.base import BUFFER_BYTES, FIRST_RETRY_NS, LONGEST_RETRY_NS, Backoff, open_link
+from attest_mav.runtime.links.udp import MAX_PEERS, PEER_SILENCE_NS
 
 SECOND = 1_000_000_000
 PATIENCE_S = 5.0

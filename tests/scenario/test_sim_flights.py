@@ -14,9 +14,9 @@ from attest_mav.algebra import heading_between, tilt_between
 from attest_mav.estimation.events import Agreement, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.filters.registry import default_filter
-from attest_mav.mavlink.decoding import Decoder
+from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.dialect import load_dialect
-from attest_mav.mavlink.framing import Framer
+from attest_mav.mavlink.wire.framer import Framer
 from attest_mav.sim.autopilot import FakeAutopilot
 from attest_mav.sim.settings import Faults, SimSettings
 from attest_mav.types import EarthField, Estimate, North

@@ -14,9 +14,9 @@ from attest_mav.estimation.alignment import ecompass
 from attest_mav.evaluation.broad.trial import Trial
 from attest_mav.evaluation.motion import Array, multiply
 from attest_mav.filters.base import Aids, AttitudeFilter, Start
-from attest_mav.filters.flight.parameters import FlightParameters
-from attest_mav.filters.gradient_descent import GradientDescent
-from attest_mav.filters.velocity_aided import VelocityAided
+from attest_mav.filters.gradient_descent.filter import GradientDescent
+from attest_mav.filters.velocity_aided.filter import VelocityAided
+from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.types import ImuSample, Vec3
 
 START_S: Final = 0.1

@@ -10,8 +10,8 @@ from functools import partial
 from math import floor, inf, trunc
 from typing import Final
 
-from attest_mav.evaluation.replay.log_time import LogTime
-from attest_mav.mavlink.units import MILLI
+from attest_mav.mavlink.decode.units import MILLI
+from attest_mav.replay.log_time import LogTime
 from attest_mav.types import AirDataSample, AttitudeSample, ImuSample, PositionSample, Sample, VelocitySample
 
 Edit = Callable[[Sequence[Sample], str], list[Sample]]

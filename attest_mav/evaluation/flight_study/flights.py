@@ -9,7 +9,7 @@ import numpy as np
 from attest_mav.algebra import clamp, down_in_body
 from attest_mav.evaluation.flight_study.edits import clocked
 from attest_mav.evaluation.flight_study.flying import Column
-from attest_mav.evaluation.replay.engine import Recording
+from attest_mav.replay.engine import Recording
 from attest_mav.types import AttitudeSample, HeartbeatSample, ImuSample, Quat, VelocitySample
 
 AEROPLANE: Final = 1

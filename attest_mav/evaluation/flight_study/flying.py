@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 from attest_mav.errors import UsageError
 from attest_mav.evaluation.flight_study.edits import Edit
-from attest_mav.evaluation.replay.comparison import Row
-from attest_mav.evaluation.replay.engine import Recording, record
-from attest_mav.evaluation.replay.flight import AUTOPILOT_ROW, Flight, Window
 from attest_mav.filters.base import AttitudeFilter
-from attest_mav.filters.flight.parameters import FlightParameters
 from attest_mav.filters.registry import default_filter
-from attest_mav.filters.velocity_aided import VelocityAided
+from attest_mav.filters.velocity_aided.filter import VelocityAided
+from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.mavlink.dialect import load_dialect
+from attest_mav.replay.comparison import Row
+from attest_mav.replay.engine import Recording, record
+from attest_mav.replay.flight import AUTOPILOT_ROW, Flight, Window
 from attest_mav.types import EarthField, Sample
 
 Column = NDArray[np.float64]

@@ -29,7 +29,7 @@ import numpy as np
 from attest_mav.algebra import add
 from attest_mav.evaluation.flight_study.edits import clocked, restored, truncated
 from attest_mav.evaluation.flight_study.flying import Column
-from attest_mav.mavlink.units import MILLI, MILLI_G
+from attest_mav.mavlink.decode.units import MILLI, MILLI_G
 from attest_mav.types import ImuSample, PositionSample, Sample, Vec3, VelocitySample
 
 READING_NS: Final = 100_000_000

@@ -8,11 +8,11 @@ from attest_mav.evaluation.flight_study.edits import WHOLE
 from attest_mav.evaluation.flight_study.figures import largest, p95, rms
 from attest_mav.evaluation.flight_study.flights import evenly, flying_interval, rate_hz, turn_tilt_deg, turning_times
 from attest_mav.evaluation.flight_study.flying import Chosen, Trial, flown, recorded
-from attest_mav.evaluation.replay.engine import Outputs, Request, replay
-from attest_mav.evaluation.replay.flight import Window
-from attest_mav.evaluation.replay.report import as_json
 from attest_mav.filters.registry import default_filter
 from attest_mav.mavlink.dialect import load_dialect
+from attest_mav.replay.engine import Outputs, Request, replay
+from attest_mav.replay.flight import Window
+from attest_mav.replay.report import as_json
 from attest_mav.types import VelocitySample
 
 

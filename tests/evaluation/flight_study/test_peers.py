@@ -2,12 +2,12 @@ import numpy as np
 import pytest
 
 from attest_mav.algebra import q_heading, tilt_between
-from attest_mav.evaluation.field_model import LocalField
+from attest_mav.earth_field import LocalField
 from attest_mav.evaluation.flight_study.flying import recorded
 from attest_mav.evaluation.flight_study.peers import CARRIER, PEERS, _steps, installed_peers, peer_flown, with_peer
-from attest_mav.evaluation.replay.engine import Recording
-from attest_mav.evaluation.replay.plan import Plan
 from attest_mav.filters.base import VehicleFacts
+from attest_mav.replay.engine import Recording
+from attest_mav.replay.plan import Plan
 from attest_mav.types import AttitudeSample
 
 AT_REST = Plan((1, 1), "RAW_IMU", "SIM_STATE", None, "RAW_IMU")

@@ -1,0 +1,126 @@
+"""Between TOML and records: errors that name the key, suggestions for misspelt ones, and records as TOML again.
+
+Nothing here knows what is configured; ``attest_mav.config.records`` does.
+"""
+
+from difflib import get_close_matches
+from math import isnan
+from typing import Any, Literal, get_args, get_origin
+
+import msgspec
+
+
+def check_keys(data: dict[str, Any], record: type[msgspec.Struct], where: str) -> None:
+    """ValueError for a key that the record does not have, with what may be meant. ``where``: the path so far."""
+    fields = _fields(record)
+    for key, value in data.items():
+        if key not in fields:
+            near = get_close_matches(key, fields, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"expected one of {', '.join(fields)}"
+            raise ValueError(f"unknown key {where}{key:.60}; {hint}")
+        inner = _record_in(fields[key])
+        if inner is not None and isinstance(value, dict):
+            check_keys(value, inner, f"{where}{key}.")
+        elif inner is not None and isinstance(value, list):
+            for index, table in enumerate(value):
+                if isinstance(table, dict):
+                    check_keys(table, inner, f"{where}{key}[{index}].")
+
+
+def check_no_nan(value: object, where: str) -> None:
+    """ValueError for nan, which TOML can write: no key means it, and a range does not exclude it."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            check_no_nan(inner, f"{where}.{key}" if where else key)
+    elif isinstance(value, list):
+        for index, inner in enumerate(value):
+            check_no_nan(inner, f"{where}[{index}]")
+    elif isinstance(value, float) and isnan(value):
+        raise ValueError(f"{where}: expected a number, got nan")
+
+
+def readable(message: str, data: dict[str, Any], record: type[msgspec.Struct]) -> str:
+    """msgspec's "Expected `X` - at `$.a.b`" as "a.b: expected X, got Y", with the choices where there are some."""
+    text, _, path = message.partition(" - at `$")
+    parts = path.rstrip("`").removeprefix(".").replace("[", ".[").split(".")
+    key = ".".join(parts).replace(".[", "[")
+    choices = _choices(parts, record)
+    found = _value_at(parts, data)
+    if choices:
+        return f"{key}: expected {choices}, got {found!r:.60}"
+    text = (text[:1].lower() + text[1:]).replace("`", "")
+    if "missing required field" in text:
+        return f"{key}: the key {text.rpartition(' ')[2]} is missing"
+    return f"{key}: {text}" if ", got" in text else f"{key}: {text}, got {found!r:.60}"
+
+
+def _fields(record: type[msgspec.Struct]) -> dict[str, Any]:
+    """Types of the record's fields by the names they have in a file."""
+    return {field.encode_name: field.type for field in msgspec.structs.fields(record)}
+
+
+def _record_in(kind: Any) -> type[msgspec.Struct] | None:
+    """The record that a field holds, alone or in a tuple."""
+    inner = get_args(kind)[0] if get_origin(kind) is tuple else kind
+    return inner if isinstance(inner, type) and issubclass(inner, msgspec.Struct) else None
+
+
+def _choices(parts: list[str], record: type[msgspec.Struct]) -> str:
+    """The words that the key under ``parts`` can be, as text; empty where any value of a type will do."""
+    kind: Any = record
+    for part in parts:
+        inner = _record_in(kind)
+        if part.startswith("["):
+            kind = get_args(kind)[0] if get_origin(kind) is tuple else kind
+        elif inner is not None:
+            kind = _fields(inner).get(part)
+    if get_origin(kind) is Literal:
+        return " or ".join(get_args(kind))
+    words = [word for one in get_args(kind) if get_origin(one) is Literal for word in get_args(one)]
+    limits = [limit for one in get_args(kind) for limit in getattr(one, "__metadata__", ())]
+    return f"{' or '.join(words)} or a number {_range_text(limits[0])}" if words and limits else ""
+
+
+def _range_text(limits: msgspec.Meta) -> str:
+    """Which numbers may be given, of a range that ends with ``le``."""
+    return f"from {limits.ge:g} to {limits.le:g}" if limits.gt is None else f"above {limits.gt:g}, up to {limits.le:g}"
+
+
+def _value_at(parts: list[str], data: Any) -> Any:
+    """The value under the path, None where there is none."""
+    for part in parts:
+        if isinstance(data, list) and part.startswith("["):
+            data = data[int(part.strip("[]"))]
+        else:
+            data = data.get(part) if isinstance(data, dict) else None
+    return data
+
+
+def to_toml(record: msgspec.Struct) -> str:
+    """The record with all its defaults, as TOML that reads back to the same."""
+    return "\n".join(_table_lines(msgspec.to_builtins(record), "")).strip() + "\n"
+
+
+def _table_lines(table: dict[str, Any], path: str) -> list[str]:
+    """Plain keys first, then tables and arrays of tables under their full names."""
+    plain = [f"{key} = {_value_text(value)}" for key, value in table.items() if not _is_table(value)]
+    lines = [f"[{path}]", *plain, ""] if path and plain else plain
+    for key, value in table.items():
+        inner = f"{path}.{key}" if path else key
+        if isinstance(value, dict):
+            lines += _table_lines(value, inner)
+        elif _is_table(value):
+            for entry in value:
+                lines += [f"[[{inner}]]", *_table_lines(entry, ""), ""]
+    return lines
+
+
+def _is_table(value: object) -> bool:
+    return isinstance(value, dict) or (isinstance(value, list | tuple) and any(isinstance(one, dict) for one in value))
+
+
+def _value_text(value: object) -> str:
+    """One TOML value: JSON spells strings, numbers, booleans and lists of them alike, but for infinity."""
+    if isinstance(value, float):
+        return repr(value)
+    return msgspec.json.encode(value).decode()

@@ -1,0 +1,1 @@
+"""The papers' scenarios and figures. ``scenarios`` lists them by id."""

@@ -1,0 +1,1 @@
+"""The leveling extended Kalman filter (paper 3). ``filter`` is the way in."""

@@ -1,0 +1,226 @@
+"""Leveling extended Kalman filter: roll and pitch of a vehicle that moves, from its speed (paper 3).
+
+What tells gravity from acceleration is the velocity: the filter integrates the accelerometer and compares with a
+measured forward speed, or with zero when the vehicle stands. It therefore levels in turns, where a filter that takes
+the accelerometer for gravity leans with the vehicle, and it finds the level from any start, in motion too. It
+assumes a vehicle that goes where it points; one that moves sideways must say how fast (``Aids.side_speed``).
+
+The heading is carried beside it, as the north direction in the body: turned with the gyro, drawn to the magnetometer.
+docs/filters.md has the equations as mended.
+"""
+
+from dataclasses import dataclass
+from math import ceil, isinf, isnan, nan, pi
+from typing import Final, cast
+
+from attest_mav.algebra import dot, down_in_body, mat_vec, norm, q_continuous, q_from_matrix, q_to_matrix, scale, sub
+from attest_mav.filters.base import MAX_CORRECTION_DT_S, Aids, AttitudeFilter, FilterState, Start
+from attest_mav.filters.leveling.model import Level, corrected, floored, predicted, sound
+from attest_mav.filters.leveling.north import (
+    NorthVector,
+    direction,
+    earth_rate,
+    field_error,
+    level_axes,
+    levelled,
+    north_from_heading,
+    turned_right,
+)
+from attest_mav.filters.leveling.state import LevelingState, Motion, held
+from attest_mav.matrices import axes_turn, diagonal, largest_variance
+from attest_mav.types import G_MPS2, ImuSample, North, Vec3
+
+MAX_RATE: Final = 1e3
+"""rad/s: a gyro that reports this much is not read (no sensor measures it, and its square must not overflow)."""
+MAX_ACCEL: Final = 1e4
+"""m/s^2: the same for the accelerometer."""
+MAX_SPEED: Final = 1e4
+"""m/s: the same for a speed."""
+MAX_HEADING: Final = 1e4
+"""rad: the same for a supplied heading."""
+LONGEST_STEP_S: Final = 0.1
+"""A longer step is taken in parts of ``PART_S`` at most."""
+PART_S: Final = 0.02
+LEVEL_FOUND: Final = 0.05
+"""Standard deviation of the components of the down vector below which the attitude counts as found."""
+SATURATION_NOISE: Final = 10.0
+"""The process noise of a step with a saturated sensor is this many times the usual."""
+BLIND_NOISE: Final = 1.0
+"""(m/s)^2/s: the noise of the velocity while the accelerometer cannot be read."""
+
+
+@dataclass(frozen=True)
+class Leveling(AttitudeFilter):
+    """Parameters; the defaults are for MEMS sensors. Variances are per component.
+
+    q_velocity, q_down: process noise, (m/s)^2/s and 1/s.
+    r_speed: of a forward speed, (m/s)^2. r_sideslip: of the velocity sideways and downwards in the body, (m/s)^2;
+    infinite: these rows are not used. r_stationary: of the velocity of a standing vehicle, (m/s)^2.
+    r_unaided: of the velocity of a vehicle whose speed nobody tells, about the last one known, (m/s)^2: large, since
+    many rows see the same motion; infinite: nothing is assumed.
+    r_length_start, r_length: of the squared length of the down vector, before and after the level is found.
+    spacing_s: time between rows without a reading (kept velocity, unit length).
+    p0_velocity, p0_down, p0_down_moving: variances at the start; the last for a vehicle that did not rest.
+    heading_time_s: time constant with which the heading follows the magnetometer. heading_noise: growth of its
+    variance, rad^2/s. r_heading: variance of one magnetic heading, rad^2. gravity: m/s^2.
+    """
+
+    q_velocity: float = 1e-3
+    q_down: float = 1e-5
+    r_speed: float = 0.01
+    r_sideslip: float = 0.09
+    r_stationary: float = 1e-4
+    r_unaided: float = 1e3
+    r_length_start: float = 0.7
+    r_length: float = 0.1
+    spacing_s: float = 0.05
+    p0_velocity: float = 1.0
+    p0_down: float = 0.05
+    p0_down_moving: float = 1.0
+    heading_time_s: float = 5.0
+    heading_noise: float = 1e-5
+    r_heading: float = 2.7e-3
+    gravity: float = G_MPS2
+
+    @property
+    def name(self) -> str:
+        """``leveling``."""
+        return "leveling"
+
+    def initial(self, start: Start) -> LevelingState:
+        """Start from the alignment's down direction and heading, at an unknown speed."""
+        axes = q_to_matrix(start.q_nb)
+        p0_down = self.p0_down if start.at_rest else self.p0_down_moving
+        level = Level((0.0, 0.0, 0.0), axes[2], diagonal(self.p0_velocity), diagonal(0.0), diagonal(p0_down))
+        # In motion the heading of the alignment is levelled by a down direction that may be far off.
+        known = start.at_rest and start.north != North.RELATIVE
+        north = NorthVector(axes[0], self.r_heading, known, False)
+        motion = Motion(False, False, (0.0, 0.0, 0.0))
+        return LevelingState(
+            start.q_nb, start.gyro_bias, False, False, level, north, motion, self.spacing_s, (nan, nan, nan), nan
+        )
+
+    def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: Aids) -> LevelingState:
+        """Predict with the inertial sample, correct with what is known of the velocity, then turn the heading.
+
+        Without a usable gyro it holds.
+        """
+        before = cast("LevelingState", state)
+        gyro = sub(sample.gyro, before.gyro_bias)
+        if not norm(gyro) < MAX_RATE:
+            return held(before)
+        was_down = down_in_body(before.q_nb)
+        earth = earth_rate(before.north, was_down, aids.latitude, aids.declination)
+        accel_used = 0.0 < norm(sample.accel) < MAX_ACCEL
+        x = self._predict(before.level, gyro, earth, dt_s, sample, accel_used)
+
+        waited_s = before.waited_s + dt_s
+        due = waited_s > self.spacing_s - 0.5 * dt_s
+        x, motion, velocity_innovation = self._measure_velocity(x, before.motion, aids, due)
+        found = largest_variance(x.p_dd) < LEVEL_FOUND * LEVEL_FOUND
+        length_innovation = nan
+        if due:
+            length_innovation = 1.0 - dot(x.down, x.down)
+            r_length = self.r_length if found else self.r_length_start
+            x = corrected(x, (0.0, 0.0, 0.0), scale(x.down, 2.0), length_innovation, r_length)
+
+        down = direction(x.down, was_down)
+        turned = mat_vec(axes_turn(scale(sub(gyro, earth), dt_s)), before.north.direction)
+        north = self._follow_field(before.north, levelled(turned, down), down, found, dt_s, sample, aids)
+        q = q_continuous(q_from_matrix(level_axes(north.direction, down)), before.q_nb)
+        if not sound(x):
+            q = (nan, nan, nan, nan)  # which asks for a new start
+        return LevelingState(
+            q,
+            before.gyro_bias,
+            accel_used,
+            north.from_field,
+            floored(x),
+            north,
+            motion,
+            0.0 if due else waited_s,
+            velocity_innovation,
+            length_innovation,
+        )
+
+    def _predict(self, x: Level, gyro: Vec3, earth: Vec3, dt_s: float, sample: ImuSample, accel_used: bool) -> Level:
+        """x after dt_s. Without an accelerometer the vehicle is taken to move evenly, with a wide margin."""
+        accel = sample.accel if accel_used else scale(x.down, -self.gravity)
+        boost = SATURATION_NOISE if sample.saturated else 1.0
+        q_velocity = boost * self.q_velocity if accel_used else BLIND_NOISE
+        parts = 1 if dt_s <= LONGEST_STEP_S else ceil(dt_s / PART_S)
+        part_s = dt_s / parts
+        for _ in range(parts):
+            x = predicted(x, gyro, earth, accel, self.gravity, part_s, q_velocity, boost * self.q_down)
+        return x
+
+    def _measure_velocity(self, x: Level, before: Motion, aids: Aids, due: bool) -> tuple[Level, Motion, Vec3]:
+        """x after the rows of the model in use, that model, and the innovations."""
+        if aids.stationary:
+            if not before.stationary:
+                x = self._with_velocity(x, (0.0, 0.0, 0.0))
+            return self._keep(x, Motion(True, False, (0.0, 0.0, 0.0)), self.r_stationary, due)
+        if not abs(aids.forward_speed) < MAX_SPEED:
+            return self._keep(x, Motion(False, False, before.velocity), self.r_unaided, due)
+        if not aids.forward_speed_fresh:
+            return (x, Motion(False, before.moving, before.velocity), (nan, nan, nan))
+        if not before.moving:
+            x = self._with_velocity(x, (aids.forward_speed, _known(aids.side_speed), _known(aids.down_speed)))
+        x, innovation = self._take_speed(x, aids)
+        return (x, Motion(False, True, x.velocity), innovation)
+
+    def _with_velocity(self, x: Level, velocity: Vec3) -> Level:
+        """x with its velocity started anew.
+
+        What the speed sensor of a standing vehicle showed (wind), or what a moving one had gathered, must not be
+        levered into the attitude when the model changes.
+        """
+        return Level(velocity, x.down, diagonal(self.p0_velocity), diagonal(0.0), x.p_dd)
+
+    def _keep(self, x: Level, motion: Motion, variance: float, due: bool) -> tuple[Level, Motion, Vec3]:
+        """The rows of the stationary model, eq. (32); also, with a large variance, of a vehicle without a speed."""
+        if not due or isinf(variance):
+            return (x, motion, (nan, nan, nan))
+        x, forward = _take_row(x, (1.0, 0.0, 0.0), motion.velocity[0], variance)
+        x, side = _take_row(x, (0.0, 1.0, 0.0), motion.velocity[1], variance)
+        x, down = _take_row(x, (0.0, 0.0, 1.0), motion.velocity[2], variance)
+        return (x, motion, (forward, side, down))
+
+    def _take_speed(self, x: Level, aids: Aids) -> tuple[Level, Vec3]:
+        """The rows of the moving model, eq. (29), with those for a vehicle that goes where it points."""
+        side, down = nan, nan
+        x, forward = _take_row(x, (1.0, 0.0, 0.0), aids.forward_speed, self.r_speed)
+        if not isinf(self.r_sideslip):
+            if abs(aids.side_speed) < MAX_SPEED:
+                x, side = _take_row(x, (0.0, 1.0, 0.0), aids.side_speed, self.r_sideslip)
+            if abs(aids.down_speed) < MAX_SPEED:
+                x, down = _take_row(x, (0.0, 0.0, 1.0), aids.down_speed, self.r_sideslip)
+        return (x, (forward, side, down))
+
+    def _follow_field(
+        self, before: NorthVector, north: Vec3, down: Vec3, found: bool, dt_s: float, sample: ImuSample, aids: Aids
+    ) -> NorthVector:
+        """The heading after this sample: as supplied, or drawn to the magnetometer, or as the gyro turned it.
+
+        One that was not known becomes the magnetometer's, until the level is found and it counts as known.
+        """
+        if abs(aids.heading) < MAX_HEADING:
+            return NorthVector(north_from_heading(aids.heading, down, north), self.r_heading, True, False)
+        variance = before.variance + self.heading_noise * dt_s
+        error = field_error(north, down, sample.mag) if sample.mag is not None else nan
+        if isnan(error):
+            return NorthVector(north, min(variance, pi * pi), before.known, False)
+        gain = min(dt_s, MAX_CORRECTION_DT_S) / self.heading_time_s if before.known else 1.0
+        variance = (1.0 - gain) * (1.0 - gain) * variance + gain * gain * self.r_heading
+        return NorthVector(turned_right(north, down, gain * error), variance, before.known or found, True)
+
+
+def _take_row(x: Level, axis: Vec3, measured: float, variance: float) -> tuple[Level, float]:
+    """x after measuring the velocity along one axis, and the innovation."""
+    innovation = measured - dot(axis, x.velocity)
+    return (corrected(x, axis, (0.0, 0.0, 0.0), innovation, variance), innovation)
+
+
+def _known(speed: float) -> float:
+    """speed, or 0 where it is not known."""
+    return speed if abs(speed) < MAX_SPEED else 0.0

@@ -1,0 +1,248 @@
+"""Robust adaptive extended Kalman filter of the attitude quaternion (paper 2).
+
+The state is the quaternion itself. The rows of a measurement are the three components of the unit specific force and
+the heading. A row whose innovation is too large for its variance counts less or not at all (robust, eqs. (15), (16));
+when the rows that are left still disagree more than they should, the prediction counts less (adaptive, eq. (28)).
+With both switched off it is the plain extended Kalman filter. docs/filters.md lists what is mended and why the
+recommended logic is not the printed one.
+
+The filter takes the accelerometer for gravity: it bears outliers, but not a turn that lasts.
+"""
+
+from dataclasses import dataclass
+from math import inf, isinf, isnan, nan, sqrt
+from typing import Final, cast
+
+from attest_mav.algebra import norm, q_dot, q_exp, q_mul, q_norm, q_unit, scale, sub
+from attest_mav.filters.base import MAX_CORRECTION_DT_S, Aids, AttitudeFilter, FilterState, Start
+from attest_mav.filters.robust_adaptive.model import (
+    accel_innovation,
+    heading_innovation,
+    measurement_rows,
+    predicted_covariance,
+    row_variances,
+)
+from attest_mav.filters.robust_adaptive.state import RobustAdaptiveState, held, unmeasured
+from attest_mav.matrices4 import (
+    Mat4,
+    add4,
+    correction4,
+    diagonal4,
+    floor_diagonal4,
+    largest_variance4,
+    no_negative_variance4,
+    scale4,
+    scaled4,
+    symmetric4,
+)
+from attest_mav.types import G_MPS2, ImuSample, Quat
+
+MAX_RATE: Final = 1e3
+"""rad/s: a gyro that reports this much is not read (no sensor measures it, and its square must not overflow)."""
+MAX_ACCEL: Final = 1e4
+"""m/s^2: the same for the accelerometer."""
+MIN_LENGTH: Final = 0.5
+"""A quaternion that a correction leaves shorter than this, like a covariance with a negative variance or NaN, is
+beyond mending: the attitude becomes NaN, which asks for a new start."""
+MIN_VARIANCE: Final = 1e-14
+"""Floor of the quaternion's variances."""
+MAX_VARIANCE: Final = 1.0
+"""No component of a unit quaternion errs by more than this: the adaptive factor inflates no further."""
+SATURATION_NOISE: Final = 10.0
+"""The process noise of a step with a saturated sensor is this many times the usual."""
+
+
+@dataclass(frozen=True)
+class RobustAdaptive(AttitudeFilter):
+    """Parameters; the defaults are the recommended logic and noise.
+
+    printed: the algorithm as the paper prints it: inflation without rejection, the adaptive factor (28) from one
+    sample, a heading row that turns about all axes. It is here to study the paper, not to fly.
+    robust, adaptive: False sets all inflations, or the adaptive factor, to 1.
+    c: standardised innovation above which a row counts less. c_reject: above which it is rejected (recommended logic).
+    reacquire_s: a row rejected for so long is believed again, s (recommended logic); infinite: never.
+    average_s, max_disagreement, min_alpha: the mean squared standardised innovation of the rows that are not flagged
+    is averaged over ``average_s``; above ``max_disagreement`` it inflates the prediction, to 1/``min_alpha`` at most.
+    r_accel, r_heading: variances of a component of the unit specific force, and of the heading (rad^2).
+    gyro_noise: power of the gyro's noise, rad^2/s, with a share for what is left of its bias. q_step: variance added
+    to each quaternion component a step, as the paper has it. p0: variance of each component at the start.
+    max_accel_error_g: the accelerometer is used while its length is this near to 1 g.
+    """
+
+    printed: bool = False
+    robust: bool = True
+    adaptive: bool = True
+    c: float = 1.5
+    c_reject: float = 6.0
+    reacquire_s: float = 5.0
+    average_s: float = 0.5
+    max_disagreement: float = 2.0
+    min_alpha: float = 0.2
+    r_accel: float = 1e-3
+    r_heading: float = 2.7e-3
+    gyro_noise: float = 2.7e-7
+    q_step: float = 0.0
+    p0: float = 1e-4
+    max_accel_error_g: float = 0.3
+
+    @property
+    def name(self) -> str:
+        """``robust-adaptive``."""
+        return "robust-adaptive"
+
+    def initial(self, start: Start) -> RobustAdaptiveState:
+        """Start from the alignment."""
+        return unmeasured(start.q_nb, start.gyro_bias, diagonal4(self.p0), 1.0, (0.0, 0.0, 0.0, 0.0))
+
+    def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: Aids) -> RobustAdaptiveState:
+        """One step of (14): predict, weigh the rows, weigh the prediction, correct. Without a usable gyro it holds."""
+        before = cast("RobustAdaptiveState", state)
+        gyro = sub(sample.gyro, before.gyro_bias)
+        if not norm(gyro) < MAX_RATE:
+            return held(before)
+        turn = q_exp(scale(gyro, 0.5 * dt_s))
+        q = q_unit(q_mul(before.q_nb, turn))
+        boost = SATURATION_NOISE if sample.saturated else 1.0
+        noise = 0.25 * boost * self.gyro_noise * dt_s
+        p = predicted_covariance(before.covariance, turn, q, noise, boost * self.q_step)
+
+        z = self._innovation(q, sample, aids)
+        rows = measurement_rows(q, not self.printed)
+        spread = row_variances(p, rows)
+        inflation, rejected_s = self.weigh_rows(z, spread, before.rejected_s, dt_s)
+        disagreement, alpha = self.weigh_prediction(z, spread, inflation, before.disagreement, dt_s)
+        alpha = max(alpha, min(1.0, largest_variance4(p) / MAX_VARIANCE))
+        p = scaled4(p, 1.0 / alpha)
+
+        dq, p = self.correction(p, rows, z, inflation)
+        q = add4(q, dq)
+        sound = q_norm(q) >= MIN_LENGTH and no_negative_variance4(p)
+        return RobustAdaptiveState(
+            q_unit(q) if sound else (nan, nan, nan, nan),
+            before.gyro_bias,
+            not (isinf(inflation[0]) and isinf(inflation[1]) and isinf(inflation[2])),
+            not isinf(inflation[3]),
+            floor_diagonal4(p, MIN_VARIANCE),
+            z,
+            inflation,
+            alpha,
+            disagreement,
+            rejected_s,
+        )
+
+    def _innovation(self, q: Quat, sample: ImuSample, aids: Aids) -> Quat:
+        """Measured minus predicted, eq. (17); NaN for a row without a usable reading."""
+        heading = heading_innovation(q, sample.mag, aids.heading)
+        length = norm(sample.accel)
+        in_gate = abs(length / G_MPS2 - 1.0) <= self.max_accel_error_g
+        if sample.saturated or not in_gate or not 0.0 < length < MAX_ACCEL:
+            return (nan, nan, nan, heading)
+        x, y, z = accel_innovation(q, sample.accel)
+        return (x, y, z, heading)
+
+    def weigh_rows(self, z: Quat, spread: Quat, rejected_s: Quat, dt_s: float) -> tuple[Quat, Quat]:
+        """The inflation of every row, eq. (16), and for how long each has been rejected.
+
+        spread: diagonal of H P H^T.
+        """
+        x, wait_x = self._weigh_row(z[0], spread[0] + self.r_accel, rejected_s[0], dt_s)
+        y, wait_y = self._weigh_row(z[1], spread[1] + self.r_accel, rejected_s[1], dt_s)
+        down, wait_down = self._weigh_row(z[2], spread[2] + self.r_accel, rejected_s[2], dt_s)
+        heading, wait_heading = self._weigh_row(z[3], spread[3] + self.r_heading, rejected_s[3], dt_s)
+        return ((x, y, down, heading), (wait_x, wait_y, wait_down, wait_heading))
+
+    def _weigh_row(self, z: float, variance: float, rejected_s: float, dt_s: float) -> tuple[float, float]:
+        """The inflation of one row whose innovation z should have ``variance``, and for how long it is rejected now.
+
+        A row that is rejected for ``reacquire_s`` is right and the state is wrong: it is then believed as it is until
+        it agrees again. Letting it in by degrees would reset the wait and stall.
+        """
+        if isnan(z) or not variance > 0.0:
+            return (inf, rejected_s)
+        size = abs(z) / sqrt(variance)
+        if not self.robust or size <= self.c:
+            return (1.0, 0.0)
+        if self.printed:
+            return (size / self.c, 0.0)
+        if rejected_s >= self.reacquire_s:
+            return (1.0, rejected_s)
+        if size < self.c_reject:
+            return (size / self.c, 0.0)
+        return (inf, rejected_s + dt_s)
+
+    def weigh_prediction(
+        self, z: Quat, spread: Quat, inflation: Quat, disagreement: float, dt_s: float
+    ) -> tuple[float, float]:
+        """The running disagreement of the unflagged rows, and the adaptive factor alpha."""
+        if not self.adaptive:
+            return (disagreement, 1.0)
+        if self.printed:
+            return (disagreement, self._printed_alpha(z, spread, inflation))
+        r = self.r_accel
+        total = (
+            _misfit(z[0], spread[0] + r, inflation[0])
+            + _misfit(z[1], spread[1] + r, inflation[1])
+            + _misfit(z[2], spread[2] + r, inflation[2])
+            + _misfit(z[3], spread[3] + self.r_heading, inflation[3])
+        )
+        count = _nominal(inflation[0]) + _nominal(inflation[1]) + _nominal(inflation[2]) + _nominal(inflation[3])
+        if count == 0.0:
+            return (disagreement, 1.0)
+        gain = min(1.0, min(dt_s, MAX_CORRECTION_DT_S) / self.average_s)
+        disagreement += gain * (total / count - disagreement)
+        if disagreement <= self.max_disagreement:
+            return (disagreement, 1.0)
+        return (disagreement, max(self.min_alpha, self.max_disagreement / disagreement))
+
+    def _printed_alpha(self, z: Quat, spread: Quat, inflation: Quat) -> float:
+        """(28): the trace of what the innovation's covariance should be over that of what one sample shows."""
+        r = self.r_accel
+        expected = (
+            _present(z[0], spread[0] + inflation[0] * r)
+            + _present(z[1], spread[1] + inflation[1] * r)
+            + _present(z[2], spread[2] + inflation[2] * r)
+            + _present(z[3], spread[3] + inflation[3] * self.r_heading)
+        )
+        seen = (
+            _present(z[0], z[0] * z[0])
+            + _present(z[1], z[1] * z[1])
+            + _present(z[2], z[2] * z[2])
+            + _present(z[3], z[3] * z[3])
+        )
+        return expected / seen if seen > expected else 1.0
+
+    def correction(self, p: Mat4, rows: Mat4, z: Quat, inflation: Quat) -> tuple[Quat, Mat4]:
+        """The correction of the quaternion, and the covariance after the rows in use, taken one after the other.
+
+        With independent noises this equals (14) with all rows at once.
+        """
+        r = self.r_accel
+        dq: Quat = (0.0, 0.0, 0.0, 0.0)
+        dq, p = _take_row(dq, p, rows[0], z[0], inflation[0] * r)
+        dq, p = _take_row(dq, p, rows[1], z[1], inflation[1] * r)
+        dq, p = _take_row(dq, p, rows[2], z[2], inflation[2] * r)
+        dq, p = _take_row(dq, p, rows[3], z[3], inflation[3] * self.r_heading)
+        return (dq, symmetric4(p))
+
+
+def _take_row(dq: Quat, p: Mat4, h: Quat, z: float, r: float) -> tuple[Quat, Mat4]:
+    """Correction and covariance after one more row; z is its innovation before any correction."""
+    if isinf(r):
+        return (dq, p)
+    gain, p = correction4(p, h, r)
+    return (add4(dq, scale4(gain, z - q_dot(h, dq))), p)
+
+
+def _misfit(z: float, variance: float, inflation: float) -> float:
+    """Squared standardised innovation of a row that is not flagged, 0 for the others."""
+    return z * z / variance if inflation == 1.0 else 0.0
+
+
+def _nominal(inflation: float) -> float:
+    """1 for a row that is not flagged, else 0."""
+    return 1.0 if inflation == 1.0 else 0.0
+
+
+def _present(z: float, value: float) -> float:
+    """value where the row has a reading, else 0."""
+    return 0.0 if isnan(z) else value

@@ -1,0 +1,1 @@
+"""The velocity-aided flight filter. ``filter`` is the way in, ``control`` its step in flight."""

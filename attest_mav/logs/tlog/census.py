@@ -1,0 +1,73 @@
+"""Counts what a recording holds, at the walker's full speed: a frame object is made for few of the frames."""
+
+from typing import Final
+
+from mypy_extensions import i64
+
+from attest_mav.logs.tlog.walker import Recording
+from attest_mav.mavlink.decode.autopilot_parameters import parameter_bytes
+from attest_mav.mavlink.dialect import Dialect
+from attest_mav.mavlink.wire.frame import MAGIC_V2, header_at, message_id_at
+
+FIRST: Final = 16
+EVERY: Final = 16
+"""Of each kind of message from each sender, the first ``FIRST`` frames and then one in ``EVERY`` are returned.
+
+PARAM_VALUE alone differs, because a ground station records a thousand parameters and each of them once: all that tell
+a setting are returned, and none of the others.
+"""
+NAME_BYTES: Final = 16
+
+
+class Census(Recording):
+    """A recording of which all frames are counted and a sample of the wanted ones is returned.
+
+    counts: frames by ``census_key``. first_rx_ns, last_rx_ns: arrival of the first and the last frame.
+    """
+
+    def __init__(self, dialect: Dialect, wanted: frozenset[int] | None) -> None:
+        super().__init__(dialect, wanted)
+        self.counts: Final[dict[int, int]] = {}
+        parameter = dialect.layout("PARAM_VALUE")
+        self._parameter_id: i64 = parameter.message_id
+        self._name_at: i64 = parameter.offset("param_id")
+        self._names: Final = parameter_bytes()
+        self.first_rx_ns = 0
+        self.last_rx_ns = 0
+
+    def _take(self, size: i64) -> None:
+        """Count the frame at the present place; make it one of the sample if it is its turn."""
+        data = self._data
+        at = self._place
+        sender = at + (5 if data[at] == MAGIC_V2 else 3)
+        message_id = message_id_at(data, at)
+        key = census_key(data[sender], data[sender + 1], message_id)
+        count = self.counts.get(key, 0)
+        self.counts[key] = count + 1
+        if self.frames == 0:
+            self.first_rx_ns = self._arrival(size)
+        is_sampled = (
+            count < FIRST or count % EVERY == 0 if message_id != self._parameter_id else self._tells_setting(at)
+        )
+        if is_sampled or self._final:
+            self.last_rx_ns = self._arrival(size)
+        if is_sampled:
+            super()._take(size)
+        else:
+            self.frames += 1
+            self._sequences.follow(data[sender], data[sender + 1], data[sender - 1])
+            self._pass(size)
+
+    def _tells_setting(self, at: i64) -> bool:
+        """Whether the PARAM_VALUE at ``at`` is of a parameter that tells a setting, by the bytes of its name."""
+        data = self._data
+        payload = at + header_at(data, at)
+        begin = payload + self._name_at
+        end = min(begin + NAME_BYTES, payload + data[at + 1])
+        # Compiled, a slice that ends before it begins is an error: MAVLink 2 cuts off a name of zeros.
+        return end > begin and data[begin:end].split(b"\0", 1)[0] in self._names
+
+
+def census_key(system: i64, component: i64, message_id: i64) -> int:
+    """One number for a kind of message from one sender."""
+    return (message_id << 16) | (system << 8) | component

@@ -1,0 +1,98 @@
+"""Telemetry logs (tlog), as ground stations and MAVProxy record them."""
+
+from collections.abc import Iterator
+from itertools import chain
+from mmap import MADV_DONTNEED, PAGESIZE, mmap
+from typing import Final
+
+from attest_mav.logs.tlog.walker import Recording
+from attest_mav.mavlink.dialect import Dialect
+from attest_mav.mavlink.wire.frame import Frame
+
+WINDOW_BYTES: Final = 1 << 18
+"""Read at a time: long enough that windows cost nothing, short enough to stay in the processor's cache."""
+
+
+class TlogReader:
+    """Reads a tlog from memory (a file mapped by ``mmap`` or bytes) at constant memory.
+
+    wanted: the message ids to return; None for all. Iterating gives the frames in order, with ``rx_ns`` from the
+    recording and ``offset`` in it, so that ``buffer[frame.offset : frame.offset + frame.size]`` is the raw frame. The
+    counters fill as the iteration goes; a reader is read once.
+    """
+
+    def __init__(self, buffer: mmap | bytes, dialect: Dialect, wanted: frozenset[int] | None = None) -> None:
+        self._buffer: Final = buffer
+        self._recording: Final = Recording(dialect, wanted)
+
+    def batches(self) -> Iterator[list[Frame]]:
+        """The wanted frames, those of one stretch of the log at a time."""
+        return read_windows(self._buffer, self._recording)
+
+    def __iter__(self) -> Iterator[Frame]:
+        return chain.from_iterable(self.batches())
+
+    def raw_record(self, frame: Frame) -> bytes:
+        """The record of a frame as this log would hold it: its arrival time and the frame's own bytes."""
+        return tlog_record(frame.rx_ns, self._buffer[frame.offset : frame.offset + frame.size])
+
+    @property
+    def frames(self) -> int:
+        """Intact frames, wanted or not."""
+        return self._recording.frames
+
+    @property
+    def bad_bytes(self) -> int:
+        """Bytes that belong to no intact frame and its time stamp."""
+        return self._recording.bad_bytes
+
+    @property
+    def bad_crc(self) -> int:
+        """Candidates with a known id whose checksum does not fit."""
+        return self._recording.bad_crc
+
+    @property
+    def unknown(self) -> int:
+        """Frames with ids that the dialect does not know, passed over."""
+        return self._recording.unknown
+
+    @property
+    def lost(self) -> int:
+        """Frames missing by their senders' sequence numbers."""
+        return self._recording.lost
+
+    @property
+    def bad_stamps(self) -> int:
+        """Wanted frames whose recorded time was not believed."""
+        return self._recording.bad_stamps
+
+
+def read_windows(buffer: mmap | bytes, recording: Recording) -> Iterator[list[Frame]]:
+    """Walks a recording over the whole buffer: the wanted frames, those of one window at a time."""
+    length = len(buffer)
+    final = False
+    while not final:
+        start = recording.position
+        window = buffer[start : start + WINDOW_BYTES]
+        final = start + len(window) == length
+        yield recording.walk(window, final)
+        _give_back(buffer, start, recording.position)
+
+
+def _give_back(buffer: mmap | bytes, start: int, stop: int) -> None:
+    """Let go of the whole pages of a mapped file that have been read: kept, they would all count as memory."""
+    if isinstance(buffer, mmap):
+        first = start - start % PAGESIZE
+        length = stop - stop % PAGESIZE - first
+        if length > 0:
+            buffer.madvise(MADV_DONTNEED, first, length)
+
+
+def read_tlog(buffer: mmap | bytes, dialect: Dialect, wanted: frozenset[int] | None = None) -> Iterator[Frame]:
+    """The wanted frames of a tlog."""
+    return iter(TlogReader(buffer, dialect, wanted))
+
+
+def tlog_record(rx_ns: int, frame: bytes) -> bytes:
+    """One record: the arrival time in microseconds, eight bytes big-endian, and the frame."""
+    return (rx_ns // 1000).to_bytes(8, "big") + frame

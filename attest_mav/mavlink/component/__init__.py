@@ -1,0 +1,1 @@
+"""The behaviour of a companion component: discovery, ports, streams, commands, encoder."""

@@ -1,0 +1,190 @@
+"""Which vehicle this is about: the one system whose HEARTBEAT names an autopilot and a type that can move.
+
+Cameras, gimbals and ground stations have heartbeats too. Most say MAV_AUTOPILOT_INVALID; those that claim a generic
+autopilot are known by their MAV_TYPE. The autopilot is component 1 of its system. Another component that claims to fly
+the vehicle is believed only while no component 1 is heard, and gives way to it on whatever link it appears.
+
+Once found, a vehicle is kept for good: it may fall silent, reboot, or come back on another link, and is the same
+vehicle still. While several vehicles are heard from the start, none is chosen.
+"""
+
+from typing import Final
+
+from attest_mav.mavlink.component.notes import Notebook
+from attest_mav.mavlink.decode.units import INVALID
+
+AUTOPILOT_COMPONENT: Final = 1
+"""MAV_COMP_ID_AUTOPILOT1."""
+TYPE_GCS: Final = 6
+"""MAV_TYPE_GCS."""
+NO_VEHICLES: Final = frozenset([5, 6, 18, 26, 27, 30, 31, 32, 33, 34, 36, 37, 38, 39, 40, 41, 42, 44, 48])
+"""MAV_TYPE of what is no vehicle: antenna tracker, ground station, onboard controller, gimbal, ADS-B, camera, charging
+station, FLARM, servo, remote id, battery, parachute, log, OSD, IMU, GPS, winch, illuminator, gripper."""
+
+AMBIGUITY_NS: Final = 3_000_000_000
+"""A second vehicle that shows up this soon after the first makes the choice a matter of chance: none is chosen. Later,
+in flight perhaps, it is only reported. Heartbeats come once a second, so three of them fit."""
+GRACE_NS: Final = 3_000_000_000
+"""For so long component 1 is waited for, once another component claims to be the autopilot."""
+SILENCE_NS: Final = 3_500_000_000
+"""Three heartbeats missed: the vehicle is silent, and may be taken up on another link."""
+REMINDER_NS: Final = 60_000_000_000
+"""That there are several vehicles is said again after this long."""
+
+
+class Vehicle:
+    """The vehicle that was found. ``link``: number of the link it was last taken up on."""
+
+    def __init__(self, system: int, component: int, autopilot: int, vehicle_type: int, link: int) -> None:
+        self.system: Final = system
+        self.component: Final = component
+        self.autopilot: Final = autopilot
+        self.vehicle_type: Final = vehicle_type
+        self.link: Final = link
+
+
+class _Claim:
+    """A system that may be the vehicle: since when and when last it was heard, and when last its component 1 was."""
+
+    def __init__(self, now_ns: int) -> None:
+        self.began_ns: Final = now_ns
+        self.heard_ns = now_ns
+        self.autopilot_ns = now_ns - SILENCE_NS
+
+
+class LockOn:
+    """Finds the vehicle in the heartbeats of all links. ``wanted_system``: the only one to take, 0 for any."""
+
+    def __init__(self, wanted_system: int, notebook: Notebook) -> None:
+        self.vehicle: Vehicle | None = None
+        self.present = False
+        """Whether the vehicle's heartbeats arrive, on a stream that has not broken since."""
+        self.ambiguity = ""
+        """Why no vehicle is chosen although there are some; empty otherwise."""
+        self._wanted_system: Final = wanted_system
+        self._notebook: Final = notebook
+        self._claims: Final[dict[int, _Claim]] = {}
+        self._found_ns = 0
+        self._heard_ns = 0
+        self._remind_ns = 0
+        self._others: list[int] = []
+
+    def heartbeat(self, link: int, system: int, component: int, vehicle_type: int, autopilot: int, now_ns: int) -> bool:
+        """Take one heartbeat; True when the vehicle was found by it, or found again."""
+        if not self._may_fly(system, component, vehicle_type, autopilot):
+            return False
+        if self._wanted_system not in {0, system}:
+            self._other(system)
+            return False
+        claim = self._claim(system, component, now_ns)
+        heard = Vehicle(system, component, autopilot, vehicle_type, link)
+        known = self.vehicle
+        if known is None:
+            return self._choose(heard, claim, now_ns)
+        if system == known.system:
+            return self._follow(known, heard, now_ns)
+        if self.settled(now_ns) or system not in self._rivals(now_ns):
+            self._other(system)
+            return False
+        self.vehicle = None
+        self.present = False
+        return self._choose(heard, claim, now_ns)
+
+    def settled(self, now_ns: int) -> bool:
+        """Whether the choice stands, whoever else shows up."""
+        return self.vehicle is not None and now_ns - self._found_ns >= AMBIGUITY_NS
+
+    def link_broken(self, link: int) -> None:
+        """The stream of this link ended or began anew: a fresh heartbeat is needed before anything is asked for."""
+        if self.vehicle is not None and self.vehicle.link == link:
+            self.present = False
+
+    def poll(self, now_ns: int) -> None:
+        """Notice that the heartbeats have stopped."""
+        if self.present and now_ns - self._heard_ns >= SILENCE_NS and self.vehicle is not None:
+            self.present = False
+            self._notebook.warning(f"vehicle lost: no heartbeat of system {self.vehicle.system} for 3 s")
+        if self.ambiguity and not self._rivals(now_ns):
+            self.ambiguity = ""
+
+    @property
+    def next_deadline_ns(self) -> int | None:
+        """When silence is to be noticed; None while there is nothing to miss."""
+        return self._heard_ns + SILENCE_NS if self.present else None
+
+    def _may_fly(self, system: int, component: int, vehicle_type: int, autopilot: int) -> bool:
+        """Whether this heartbeat can be a vehicle's. One that is named may call itself what it likes."""
+        if autopilot == INVALID or vehicle_type == TYPE_GCS:
+            return False
+        named = system == self._wanted_system and component == AUTOPILOT_COMPONENT
+        return named or vehicle_type not in NO_VEHICLES
+
+    def _claim(self, system: int, component: int, now_ns: int) -> _Claim:
+        """The system's claim, brought up to date."""
+        claim = self._claims.get(system)
+        if claim is None or now_ns - claim.heard_ns >= SILENCE_NS:
+            claim = _Claim(now_ns)
+            self._claims[system] = claim
+        claim.heard_ns = now_ns
+        if component == AUTOPILOT_COMPONENT:
+            claim.autopilot_ns = now_ns
+        return claim
+
+    def _rivals(self, now_ns: int) -> list[int]:
+        """The systems that are heard and may be the vehicle: those with a component 1, if there are any."""
+        claims = self._claims
+        heard = sorted(system for system in claims if now_ns - claims[system].heard_ns < SILENCE_NS)
+        return [system for system in heard if now_ns - claims[system].autopilot_ns < SILENCE_NS] or heard
+
+    def _choose(self, heard: Vehicle, claim: _Claim, now_ns: int) -> bool:
+        """Take the vehicle if it is the only one, and its autopilot is heard or has been waited for."""
+        rivals = self._rivals(now_ns)
+        if len(rivals) > 1:
+            self._puzzle(rivals, now_ns)
+            return False
+        self.ambiguity = ""
+        self._remind_ns = 0
+        if heard.system not in rivals:
+            return False
+        if heard.component != AUTOPILOT_COMPONENT and now_ns - max(claim.began_ns, claim.autopilot_ns) < GRACE_NS:
+            return False
+        self._found_ns = now_ns
+        self._take(heard, "found", now_ns)
+        return True
+
+    def _follow(self, known: Vehicle, heard: Vehicle, now_ns: int) -> bool:
+        """A heartbeat of the vehicle's system: from the known component, from the autopilot itself, or of no interest.
+
+        Another link is taken only when the known one is silent.
+        """
+        if heard.component == known.component:
+            if self.present and heard.link == known.link:
+                self._heard_ns = now_ns
+            if self.present:
+                return False
+        elif heard.component != AUTOPILOT_COMPONENT:
+            return False
+        self._take(heard, "found again" if heard.component == known.component else "found", now_ns)
+        return True
+
+    def _take(self, vehicle: Vehicle, found: str, now_ns: int) -> None:
+        self._notebook.info(f"vehicle {found}: system {vehicle.system}, component {vehicle.component}")
+        self.vehicle = vehicle
+        self.present = True
+        self._heard_ns = now_ns
+
+    def _puzzle(self, rivals: list[int], now_ns: int) -> None:
+        """Several vehicles: say it now and then."""
+        names = f"{', '.join(map(str, rivals[:-1]))} and {rivals[-1]}"
+        self.ambiguity = f"several vehicles, systems {names}: name one with system_id under [vehicle]"
+        if now_ns >= self._remind_ns:
+            self._remind_ns = now_ns + REMINDER_NS
+            self._notebook.error(f"{self.ambiguity} in the configuration; nothing is sent until one is left")
+
+    def _other(self, system: int) -> None:
+        """Report another vehicle, once."""
+        if system in self._others:
+            return
+        self._others.append(system)
+        kept = self._wanted_system if self.vehicle is None else self.vehicle.system
+        self._notebook.warning(f"another vehicle, system {system}, is on the links; only system {kept} is used")

@@ -1,0 +1,1 @@
+"""Frames to samples in SI units: readers, unit table, clocks, parameters of autopilots."""

@@ -1,0 +1,107 @@
+"""Parameters of autopilots that tell a setting of the vehicle (``Setting``): their names, units and sane values.
+
+ArduPilot sends every parameter as a float. PX4 sends an integer one bit by bit in the place of the float.
+
+PX4's IMU_GYRO_CUTOFF is left out: by PX4's own words it affects what goes to its controllers, not to its estimators,
+and the inertial messages carry what goes to the estimators: means over some milliseconds, with no low-pass to be made
+good.
+"""
+
+from dataclasses import dataclass
+from math import nan
+from typing import Final
+
+from attest_mav.filters.base import VehicleFacts
+from attest_mav.mavlink.decode.readers import Reader
+from attest_mav.mavlink.decode.units import ARDUPILOT, PX4
+from attest_mav.mavlink.dialect import Dialect
+from attest_mav.mavlink.wire.frame import Frame
+from attest_mav.types import ParameterSample, Sample, Setting
+
+INT32: Final = 6
+"""MAV_PARAM_TYPE_INT32."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter. ``autopilot``: MAV_AUTOPILOT.
+
+    unit: of the setting, in one of the parameter's. low, high: what it can sanely be besides 0, in its own unit.
+    zero_is_default: 0 stands for a value that the autopilot knows and does not tell.
+    """
+
+    name: str
+    autopilot: int
+    setting: Setting
+    unit: float
+    low: float
+    high: float
+    zero_is_default: bool = False
+
+    def value(self, number: float) -> float | None:
+        """The setting that this number means, NaN for the autopilot's default; None when it cannot be meant."""
+        if number == 0.0:
+            return nan if self.zero_is_default else 0.0
+        return number * self.unit if self.low <= number <= self.high else None
+
+
+PARAMETERS: Final = (
+    Parameter("INS_GYRO_FILTER", ARDUPILOT, Setting.LOW_PASS_HZ, 1.0, 1.0, 1000.0),
+    Parameter("GPS1_DELAY_MS", ARDUPILOT, Setting.FIX_DELAY_S, 1e-3, 0.0, 1000.0, zero_is_default=True),
+    Parameter("GPS_DELAY_MS", ARDUPILOT, Setting.FIX_DELAY_S, 1e-3, 0.0, 1000.0, zero_is_default=True),
+    Parameter("EKF2_GPS_DELAY", PX4, Setting.FIX_DELAY_S, 1e-3, 0.0, 1000.0),
+    Parameter("SENS_GPS0_DELAY", PX4, Setting.FIX_DELAY_S, 1e-3, 0.0, 1000.0),
+)
+"""ArduPilot 4.6 gave GPS_DELAY_MS its new name; of PX4's two the second is the newer."""
+
+
+def facts_of_firmware(autopilot: int) -> VehicleFacts:
+    """What is known of every vehicle with this MAV_AUTOPILOT before it tells anything."""
+    return VehicleFacts(low_pass_hz=0.0) if autopilot == PX4 else VehicleFacts()
+
+
+def names_of(setting: Setting, autopilot: int) -> list[str]:
+    """What an autopilot (MAV_AUTOPILOT) may call a setting; empty where it does not tell it."""
+    return [one.name for one in PARAMETERS if one.setting == setting and one.autopilot == autopilot]
+
+
+def parameter_bytes() -> frozenset[bytes]:
+    """All names as they stand in PARAM_VALUE, without the zeros behind them."""
+    return frozenset([one.name.encode() for one in PARAMETERS])
+
+
+def quantity(setting: Setting) -> str:
+    """What the setting is, for people."""
+    return "gyro low-pass" if setting == Setting.LOW_PASS_HZ else "GPS delay"
+
+
+def with_unit(setting: Setting, value: float) -> str:
+    """A value of the setting, for people."""
+    return f"{value:g} Hz" if setting == Setting.LOW_PASS_HZ else f"{value:g} s"
+
+
+class ParameterReader(Reader):
+    """PARAM_VALUE of the parameters above; all others give nothing."""
+
+    def __init__(self, dialect: Dialect) -> None:
+        super().__init__("PARAM_VALUE")
+        self._fields: Final = dialect.layout(self.name).pick("param_value", "param_id", "param_type")
+        self._known: Final = {one.name.encode(): one for one in PARAMETERS}
+
+    def read(self, frame: Frame) -> list[Sample]:
+        """One ParameterSample. A name of 16 characters has no zero behind it."""
+        number, name, kind = self._fields.unpack(frame.payload)
+        parameter = self._known.get(name.split(b"\0", 1)[0])
+        if parameter is None:
+            return []
+        if kind == INT32 and parameter.autopilot == PX4:
+            number = float(int.from_bytes(frame.payload[:4], "little", signed=True))
+        value = parameter.value(number)
+        if value is None:
+            expected = f"0, or {parameter.low:g} to {parameter.high:g}"
+            return self.refuse(frame, f"{parameter.name} is {number:g}; expected {expected}")
+        return [
+            ParameterSample(
+                self.name, frame.system, frame.component, frame.rx_ns, parameter.name, parameter.setting, value
+            )
+        ]

@@ -1,0 +1,115 @@
+"""Frames to samples: SI units, radians, body FRD and NED. All unit conversion of the package is here and below.
+
+What an inertial message means depends on the autopilot that sent it (``units``), so the inertial messages of a system
+are refused until a HEARTBEAT has told its MAV_AUTOPILOT. Refusals are results, not errors: counted, with a reason.
+"""
+
+from typing import Final
+
+from attest_mav.mavlink.decode.autopilot_parameters import ParameterReader
+from attest_mav.mavlink.decode.boot_clock import BootClock
+from attest_mav.mavlink.decode.imu_reader import ImuReader
+from attest_mav.mavlink.decode.imu_source import ImuLane
+from attest_mav.mavlink.decode.readers import (
+    CENTI,
+    AttitudeReader,
+    ClockReader,
+    GpsReader,
+    HeartbeatReader,
+    HudReader,
+    QuaternionReader,
+    Reader,
+    SimStateReader,
+    VelocityReader,
+)
+from attest_mav.mavlink.decode.units import RawScales
+from attest_mav.mavlink.dialect import Dialect
+from attest_mav.mavlink.wire.frame import Frame
+from attest_mav.types import Sample
+
+MAGNETOMETER: Final = " magnetometer"
+"""Marks the refusal of a message's field alone."""
+
+
+def of_message(name: str) -> tuple[str, str]:
+    """The keys of ``Decoder.refusals`` that are about the message of that name, and not about one like it."""
+    return (name, name + MAGNETOMETER)
+
+
+class Decoder:
+    """Turns frames into samples; learns on the way which autopilot each system has.
+
+    wanted: the ids of the messages it understands, for the framer. raw_scales: the meaning of RAW_IMU on autopilots
+    other than ArduPilot; None refuses it there.
+    """
+
+    def __init__(self, dialect: Dialect, raw_scales: RawScales | None = None) -> None:
+        heartbeat = HeartbeatReader(dialect)
+        boot_clock = BootClock()
+        self.autopilots: Final = heartbeat.autopilots
+        """MAV_AUTOPILOT by system id, as learned so far."""
+        self._imu: Final = [
+            ImuReader(dialect, name, heartbeat.autopilots, boot_clock, raw_scales)
+            for name in ("RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "SCALED_IMU3", "HIGHRES_IMU")
+        ]
+        others: list[Reader] = [
+            heartbeat,
+            AttitudeReader(dialect, "ATTITUDE", "time_boot_ms", ("rollspeed", "pitchspeed", "yawspeed")),
+            AttitudeReader(dialect, "AHRS2", "", ()),
+            AttitudeReader(dialect, "SIMSTATE", "", ("xgyro", "ygyro", "zgyro")),
+            QuaternionReader(dialect),
+            SimStateReader(dialect),
+            GpsReader(dialect, boot_clock),
+            VelocityReader(dialect, "GLOBAL_POSITION_INT", CENTI),
+            VelocityReader(dialect, "LOCAL_POSITION_NED", 1.0),
+            HudReader(dialect),
+            ClockReader(dialect, boot_clock),
+            ParameterReader(dialect),
+        ]
+        self._readers: Final[dict[int, Reader]] = {dialect.id_of(reader.name): reader for reader in others}
+        for imu in self._imu:
+            self._readers[dialect.id_of(imu.name)] = imu
+        self.wanted: Final = frozenset(self._readers)
+
+    def decode(self, frame: Frame) -> list[Sample]:
+        """The samples in a frame; none for a message it does not understand or refuses."""
+        reader = self._readers.get(frame.message_id)
+        if reader is None:
+            return []
+        samples = reader.read(frame)
+        if samples:
+            reader.refusal = ""
+        return samples
+
+    @property
+    def refusals(self) -> dict[str, str]:
+        """Why a source gives no samples at present, by source; ``RAW_IMU magnetometer`` for a missing field alone."""
+        reasons = {reader.name: reader.refusal for reader in self._readers.values() if reader.refusal}
+        for lane in self._lanes():
+            if lane.refusal:
+                reasons[lane.source] = lane.refusal
+            if lane.field_refusal:
+                reasons[lane.source + MAGNETOMETER] = lane.field_refusal
+        return reasons
+
+    @property
+    def refused(self) -> dict[str, int]:
+        """How many messages gave no sample, by source."""
+        counts = {reader.name: reader.refused for reader in self._readers.values() if reader.refused}
+        for lane in self._lanes():
+            if lane.refused:
+                counts[lane.source] = counts.get(lane.source, 0) + lane.refused
+        return counts
+
+    @property
+    def notes(self) -> dict[str, str]:
+        """What a user should know about a source, by source."""
+        return {lane.source: lane.note for lane in self._lanes() if lane.note}
+
+    @property
+    def independent(self) -> dict[str, bool]:
+        """Whether an inertial source owes nothing to the autopilot's estimator, by source."""
+        return {lane.source: lane.row.independent for lane in self._lanes()}
+
+    def _lanes(self) -> list[ImuLane]:
+        return [lane for reader in self._imu for lane in reader.lanes.values()]

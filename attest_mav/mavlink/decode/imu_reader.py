@@ -1,0 +1,89 @@
+"""Reads the inertial messages: fields, time, and which sensor of which sender they belong to."""
+
+from typing import Final
+
+from attest_mav.mavlink.decode.boot_clock import BootClock, time_refusal
+from attest_mav.mavlink.decode.imu_source import ImuLane
+from attest_mav.mavlink.decode.readers import Reader
+from attest_mav.mavlink.decode.units import RawScales, unit_row
+from attest_mav.mavlink.dialect import Dialect
+from attest_mav.mavlink.wire.frame import Frame
+from attest_mav.types import Sample, Vec3
+
+UPDATED_ACCEL: Final = 0x007
+UPDATED_GYRO: Final = 0x038
+UPDATED_MAG: Final = 0x1C0
+"""Bits of HIGHRES_IMU.fields_updated; a group is new when all three of its bits are set."""
+
+
+class ImuReader(Reader):
+    """RAW_IMU, SCALED_IMU, SCALED_IMU2, SCALED_IMU3 and HIGHRES_IMU: one ImuLane for each sensor of each sender.
+
+    RAW_IMU and HIGHRES_IMU carry the sensor's number; above 0 it becomes part of the source: ``RAW_IMU#1``.
+    """
+
+    def __init__(
+        self,
+        dialect: Dialect,
+        name: str,
+        autopilots: dict[int, int],
+        boot_clock: BootClock,
+        raw_scales: RawScales | None,
+    ) -> None:
+        super().__init__(name)
+        self._boot_clock: Final = boot_clock
+        self.lanes: Final[dict[int, ImuLane]] = {}
+        self._autopilots: Final = autopilots
+        self._raw_scales: Final = raw_scales
+        layout = dialect.layout(name)
+        time = "time_usec" if "time_usec" in layout.fields else "time_boot_ms"
+        vectors = [f"{axis}{sensor}" for sensor in ("acc", "gyro", "mag") for axis in "xyz"]
+        tail = [field for field in ("fields_updated", "id") if field in layout.fields]
+        self._fields: Final = layout.pick(time, *vectors, *tail)
+        self._in_us: Final = time == "time_usec"
+        self._has_id: Final = "id" in tail
+        self._has_updates: Final = "fields_updated" in tail
+
+    def read(self, frame: Frame) -> list[Sample]:
+        """The samples of one reading, and of earlier ones that the start-up checks had held back."""
+        values = self._fields.unpack(frame.payload)
+        number: int = values[-1] if self._has_id else 0
+        field_sent = True
+        if self._has_updates:
+            updated: int = values[10]
+            if updated & UPDATED_ACCEL != UPDATED_ACCEL or updated & UPDATED_GYRO != UPDATED_GYRO:
+                return self.refuse(frame, "fields_updated says that accelerometer or gyro are not new")
+            field_sent = updated & UPDATED_MAG == UPDATED_MAG
+        time: int = values[0]
+        t_ns = self._boot_clock.since_boot_ns(frame.system, time) if self._in_us else 1_000_000 * time
+        if t_ns < 0:
+            return self.refuse(frame, time_refusal(t_ns, time))
+        lane = self.lanes.get((frame.system << 16) | (frame.component << 8) | number)
+        if lane is None:
+            lane = self._open_lane(frame, number)
+            if lane is None:
+                return []
+        accel: Vec3 = (values[1], values[2], values[3])
+        gyro: Vec3 = (values[4], values[5], values[6])
+        field: Vec3 = (values[7], values[8], values[9])
+        return lane.accept(t_ns, frame.rx_ns, accel, gyro, field, field_sent)
+
+    def _open_lane(self, frame: Frame, number: int) -> ImuLane | None:
+        """The lane of a sensor seen for the first time; None, and a refusal, while its units are not known."""
+        autopilot = self._autopilots.get(frame.system)
+        if autopilot is None:
+            self.refuse(frame, "its autopilot is not known yet (no HEARTBEAT so far), so its units are not either")
+            return None
+        row = unit_row(self.name, autopilot, self._raw_scales)
+        if row is None:
+            self.refuse(
+                frame,
+                f"autopilot {autopilot} sends true raw values, whose units nobody knows: configure the scales of "
+                "RAW_IMU, or use SCALED_IMU or HIGHRES_IMU",
+            )
+            return None
+        self.refusal = ""
+        source = f"{self.name}#{number}" if number > 0 else self.name
+        lane = ImuLane(source, frame.system, frame.component, row)
+        self.lanes[(frame.system << 16) | (frame.component << 8) | number] = lane
+        return lane

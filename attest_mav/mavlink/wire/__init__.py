@@ -1,0 +1,1 @@
+"""Frames in bytes: layout, checksum, walker, framer, sequence numbers."""

@@ -1,0 +1,249 @@
+"""Finds the intact frames in bytes; the rules that a link and a recording share.
+
+Theory of operation
+    A frame is intact when its id is in the dialect and its checksum fits. Nothing else about a candidate is believed:
+    its length serves to test its checksum and for nothing more. A candidate that fails is left by one byte, so an
+    intact frame behind a false or damaged magic is always found.
+
+    Right behind an intact frame the next one is *expected*, at one place. If it is not there the walker *searches*:
+    every magic byte is a candidate. In a search one checksum in 65536 fits by chance; so a frame found there is
+    doubted when no frame stands where the next one should, while another intact one begins inside it.
+
+    Ids that are not in the dialect have no known CRC extra. Such a frame is passed over as a whole (and counted in
+    ``unknown``) only when its neighbours prove its bounds: it stands where a frame is expected, some CRC extra explains
+    its checksum (one random candidate in 256 has one), and behind it comes an intact frame or the end of the data,
+    with at most two more of its kind between. Everything else with an unknown id is searched like garbage.
+
+    Frames with an incompatibility flag other than "signed" cannot be understood and are no frames. A signature is
+    recognised by its length, not verified.
+"""
+
+from typing import Final
+
+from mypy_extensions import i64
+
+from attest_mav.mavlink.dialect import Dialect
+from attest_mav.mavlink.wire.checksum import explaining_extra, mirrored, mirrored_crc
+from attest_mav.mavlink.wire.frame import (
+    CHECKSUM_BYTES,
+    INCOMPLETE,
+    MAGIC_V1,
+    MAGIC_V2,
+    NO_FRAME,
+    Frame,
+    header_at,
+    message_id_at,
+    size_at,
+)
+from attest_mav.mavlink.wire.sequence import Sequences
+
+# What a candidate can be besides an intact frame of so many bytes (> 0), NO_FRAME and INCOMPLETE.
+UNKNOWN_ID: Final = -2
+BAD_CRC: Final = -3
+
+MAX_UNKNOWN_RUN: Final = 3
+"""So many frames with unknown ids in a row can vouch for each other."""
+
+
+class Walker:
+    """Walks from frame to frame; the base of Framer and Recording. ``lead`` bytes precede each frame: 8 in a recording.
+
+    Counters over everything walked: frames (intact, wanted or not), bad_bytes (in no frame), bad_crc (candidates with
+    a known id whose checksum does not fit), unknown (frames with unknown ids passed over), lost (frames missing by
+    their senders' sequence numbers; late and repeated frames are not counted).
+    """
+
+    def __init__(self, dialect: Dialect, wanted: frozenset[int] | None, lead: int) -> None:
+        self.dialect: Final = dialect
+        self.wanted: Final = wanted
+        self.frames: i64 = 0
+        self.bad_bytes: i64 = 0
+        self.bad_crc: i64 = 0
+        self.unknown: i64 = 0
+        self._lead: i64 = lead
+        self._extras: Final = dialect.mirrored_extras
+        self._ids: i64 = len(dialect.mirrored_extras)
+        self._is_wanted: Final = _flags(wanted, len(dialect.mirrored_extras))
+        self._sequences: Final = Sequences()
+        self._data = b""
+        self._mirror = b""
+        self._end: i64 = 0
+        self._final = False
+        self._out: list[Frame] = []
+        self._base: i64 = 0  # offset of the data in all the bytes
+        self._done: i64 = 0  # everything before is accounted for
+        self._place: i64 = lead  # where a frame is expected, or looked for
+        self._searching = False
+
+    @property
+    def lost(self) -> int:
+        """Frames missing so far."""
+        return self._sequences.lost
+
+    def _walk(self, data: bytes, stop: i64, final: bool) -> list[Frame]:
+        """The wanted frames that begin before ``stop`` in data, which begins at the last walk's ``_done``.
+
+        final: nothing comes behind data, so nothing is waited for.
+        """
+        self._data = data
+        self._mirror = mirrored(data)
+        self._end = len(data)
+        self._final = final
+        self._out = []
+        while self._place < stop:
+            size = self._candidate(self._place)
+            if size > 0 and not (self._searching and self._doubtful(size)):
+                self._take(size)
+                continue
+            if size == UNKNOWN_ID and not self._searching:
+                size = self._proven_unknown()
+                if size > 0:
+                    self.unknown += 1
+                    self._pass(size)
+                    continue
+            if size == INCOMPLETE and not final:
+                break
+            if size == BAD_CRC and (self._searching or self._lead == 0):  # else the search comes back to it
+                self.bad_crc += 1
+            self._search_on()
+        self._settle()
+        out = self._out
+        self._out = []
+        return out
+
+    def _candidate(self, at: i64) -> i64:
+        """What stands at ``at``: the size of an intact frame, or one of the constants."""
+        data = self._data
+        size = size_at(data, at, self._end)
+        if size <= 0:
+            return size
+        message_id = message_id_at(data, at)
+        extra: i64 = self._extras[message_id] if message_id < self._ids else -1
+        if extra < 0:
+            return UNKNOWN_ID
+        if at + size > self._end:
+            return INCOMPLETE
+        checksum = at + header_at(data, at) + data[at + 1]
+        mirror = self._mirror
+        received: i64 = (mirror[checksum] << 8) | mirror[checksum + 1]
+        return size if mirrored_crc(mirror, at + 1, checksum, extra) == received else BAD_CRC
+
+    def _doubtful(self, size: i64) -> bool:
+        """Whether the frame just found in a search rather is a coincidence: see the module's theory."""
+        behind = self._place + size
+        if self._candidate(behind + self._lead) > 0:
+            return False
+        inside = self._place + 1
+        while inside < behind:
+            if self._candidate(inside) > 0:
+                return True
+            inside += 1
+        return False
+
+    def _proven_unknown(self) -> i64:
+        """Size of the frame with an unknown id at the expected place; INCOMPLETE while undecided; else NO_FRAME."""
+        at = self._place
+        first: i64 = 0
+        run: i64 = 0
+        while run < MAX_UNKNOWN_RUN:
+            size = self._explained(at)
+            if size <= 0:
+                return size
+            if run == 0:
+                first = size
+            at += size + self._lead
+            behind = self._candidate(at)
+            if behind > 0 or (self._final and at - self._lead == self._end):
+                return first
+            if behind != UNKNOWN_ID:
+                return INCOMPLETE if behind == INCOMPLETE else NO_FRAME
+            run += 1
+        return NO_FRAME
+
+    def _explained(self, at: i64) -> i64:
+        """Size of the candidate with an unknown id at ``at`` when some CRC extra explains its checksum."""
+        data = self._data
+        size = size_at(data, at, self._end)
+        if at + size > self._end:
+            return INCOMPLETE
+        checksum = at + header_at(data, at) + data[at + 1]
+        return size if explaining_extra(self._mirror, at + 1, checksum) >= 0 else NO_FRAME
+
+    def _take(self, size: i64) -> None:
+        """The frame at the present place is intact: count it, append it if it is wanted, go behind it."""
+        data = self._data
+        at = self._place
+        payload = at + header_at(data, at)
+        message_id = message_id_at(data, at)
+        sender = at + (5 if data[at] == MAGIC_V2 else 3)
+        self.frames += 1
+        self._sequences.follow(data[sender], data[sender + 1], data[sender - 1])
+        if self._is_wanted[message_id]:
+            length: i64 = data[at + 1]
+            self._out.append(
+                Frame(
+                    message_id,
+                    data[sender],
+                    data[sender + 1],
+                    data[sender - 1],
+                    2 if data[at] == MAGIC_V2 else 1,
+                    at + size > payload + length + CHECKSUM_BYTES,
+                    data[payload : payload + length],
+                    self._arrival(size),
+                    self._base + at,
+                    size,
+                )
+            )
+        self._pass(size)
+
+    def _arrival(self, size: i64) -> i64:
+        """rx_ns of the frame of ``size`` bytes at the present place."""
+        raise NotImplementedError
+
+    def _pass(self, size: i64) -> None:
+        """Goes behind the frame of ``size`` bytes at the present place; the next one is expected there."""
+        skipped = self._place - self._lead - self._done
+        if skipped > 0:
+            self.bad_bytes += skipped
+        self._done = self._place + size
+        self._place = self._done + self._lead
+        self._searching = False
+
+    def _search_on(self) -> None:
+        """No frame here: go to the next magic byte."""
+        # Where a frame was expected the search begins before its lead, which may be damaged and too short.
+        place = self._place + 1 if self._searching or self._lead == 0 else self._done
+        self._searching = True
+        data = self._data
+        end = self._end
+        while place < end and data[place] != MAGIC_V2 and data[place] != MAGIC_V1:
+            place += 1
+        self._place = place
+
+    def _settle(self) -> None:
+        """Accounts for the bytes that a search has left behind, all of them at the end of the data."""
+        if self._final:
+            self.bad_bytes += self._end - self._done
+            self._done = self._end
+            self._place = self._end + self._lead
+            self._searching = False
+        elif self._searching and self._place - self._lead > self._done:
+            self.bad_bytes += self._place - self._lead - self._done
+            self._done = self._place - self._lead
+
+    def _forget_done(self) -> None:
+        """Counts places from ``_done`` on, for data that will begin there."""
+        self._base += self._done
+        self._place -= self._done
+        self._done = 0
+
+
+def _flags(wanted: frozenset[int] | None, size: int) -> bytes:
+    """One byte for each message id: 1 where it is wanted."""
+    if wanted is None:
+        return b"\1" * size
+    flags = bytearray(size)
+    for message_id in wanted:
+        if message_id < size:
+            flags[message_id] = 1
+    return bytes(flags)

@@ -1,0 +1,110 @@
+"""The result of a replay as the JSON object of the contract."""
+
+from math import inf
+from typing import Any, Final
+
+from attest_mav.replay.comparison import Comparison
+from attest_mav.replay.consistency import Consistency, NisMean, SigmaCount
+from attest_mav.replay.engine import Replay
+from attest_mav.replay.metrics import ErrorColumns, Spread
+
+DIGITS: Final = 6
+"""Decimals of a degree, a second, a hertz or a share: more than any of them is good for."""
+
+
+def as_json(name: str, log_format: str, replay: Replay) -> dict[str, Any]:
+    """The object that ``replay --json`` prints for the log called ``name``."""
+    survey, plan, flight, window = replay.survey, replay.plan, replay.flight, replay.flight.window
+    rate_hz, gaps = flight.imu.rate_and_gaps()
+    return {
+        "log": name,
+        "format": log_format,
+        "frames": survey.census.frames,
+        "bad_bytes": survey.census.bad_bytes,
+        "duration_s": round(survey.duration_s, DIGITS),
+        "vehicle": {"system": plan.sender[0], "component": plan.sender[1]},
+        "imu": {
+            "message": plan.imu,
+            "samples": flight.imu.samples,
+            "rate_hz": None if rate_hz is None else round(rate_hz, DIGITS),
+            "gaps": gaps,
+        },
+        "north": _north(replay),
+        "window": {
+            "start_s": window.start_s,
+            "end_s": None if window.end_s == inf else window.end_s,
+            "skip_s": window.skip_s,
+        },
+        "reference": None
+        if plan.reference is None
+        else {"message": plan.reference, "samples": flight.reference_samples},
+        "filters": [_filter(run.comparison) for run in flight.runs],
+        "autopilot": None if flight.autopilot is None else {"message": plan.autopilot, **_errors(flight.autopilot)},
+        "notes": list(replay.notes),
+    }
+
+
+def _north(replay: Replay) -> dict[str, Any]:
+    """What headings are referred to, and why."""
+    field = replay.earth_field
+    if field is None:
+        return {"reference": "magnetic", "declination_deg": None, "source": None}
+    return {
+        "reference": "true",
+        "declination_deg": round(field.declination_deg, DIGITS),
+        "source": field.source,
+    }
+
+
+def _filter(comparison: Comparison) -> dict[str, Any]:
+    """One filter's figures, and what they say of its own sigmas; null for a filter that has none."""
+    has_sigma = comparison.consistency.has_sigma
+    return {
+        "name": comparison.name,
+        **_errors(comparison),
+        "valid": _valid(comparison.errors) if has_sigma and comparison.errors.samples else None,
+        "consistency": _consistency(comparison.consistency) if has_sigma else None,
+    }
+
+
+def _valid(errors: ErrorColumns) -> dict[str, Any]:
+    """How often the filter was sure of its tilt (``metrics.SURE``), and how right it then was."""
+    return {"share": round(errors.sure_samples / errors.samples, DIGITS), "tilt_deg": _spread(errors.sure_tilt())}
+
+
+def _consistency(consistency: Consistency) -> dict[str, Any]:
+    return {
+        "tilt": _sigma_shares(consistency.tilt),
+        "heading": _sigma_shares(consistency.heading),
+        "nis": {"velocity": _nis(consistency.velocity), "magnetometer": _nis(consistency.magnetometer)},
+    }
+
+
+def _sigma_shares(count: SigmaCount) -> dict[str, float] | None:
+    """Shares of errors within 1, 2 and 3 sigma, and the rms of error / sigma; None without errors."""
+    if not count.samples:
+        return None
+    one, two, three = count.within
+    return {
+        "within_1": round(one, DIGITS),
+        "within_2": round(two, DIGITS),
+        "within_3": round(three, DIGITS),
+        "rms": round(count.rms, DIGITS),
+    }
+
+
+def _nis(nis: NisMean) -> dict[str, Any] | None:
+    """Mean normalised innovation squared and of how many; None where there were none."""
+    return {"mean": round(nis.mean, DIGITS), "n": nis.count} if nis.count else None
+
+
+def _errors(comparison: Comparison) -> dict[str, Any]:
+    errors = comparison.errors
+    return {"samples": errors.samples, "tilt_deg": _spread(errors.tilt()), "heading_deg": _spread(errors.heading())}
+
+
+def _spread(spread: Spread | None) -> dict[str, float] | None:
+    """Figures, or None where nothing could be compared."""
+    if spread is None:
+        return None
+    return {"rms": round(spread.rms, DIGITS), "p95": round(spread.p95, DIGITS), "max": round(spread.max, DIGITS)}

@@ -1,0 +1,157 @@
+"""Links: byte streams to a vehicle that never block and never give up.
+
+A link is driven by a selector loop::
+
+    link = open_link(parse_link("udpin:127.0.0.1:14550"), now_ns)
+    ...
+    when link.fd is readable, or link.next_deadline_ns has come:  data = link.receive(now_ns)
+    when link.wants_write and link.fd is writable:                link.flush(now_ns)
+    at any time:                                                  link.send(message, now_ns)
+
+``fd`` may change or be None while a link is down; ``epoch`` grows with every new stream, which is when a framer has
+to forget the beginning of a frame. ``send`` takes whole messages: one that does not fit into the bounded buffer is
+dropped whole and counted, so that a slow link never tears a message or delivers old ones.
+"""
+
+import errno
+import logging
+import socket
+from abc import ABC, abstractmethod
+
+from attest_mav.config.link_url import LinkUrl, Scheme
+from attest_mav.errors import LinkError
+
+log = logging.getLogger("attest_mav.link")
+
+READ_BYTES = 65536
+"""The most that one ``receive`` returns: a whole datagram, or what a stream has gathered."""
+
+BUFFER_BYTES = 8192
+"""What a stream may owe, bytes: about 0.1 s of all we send on a 921600 baud port. Older attitudes help nobody."""
+
+FIRST_RETRY_NS = 250_000_000
+LONGEST_RETRY_NS = 4_000_000_000
+"""A lost link is tried again after 0.25 s, then twice as long each time, up to 4 s, for ever."""
+
+Address = tuple[str, int] | tuple[str, int, int, int]
+
+
+class Link(ABC):
+    """What all links have. Counters: bytes received and sent, messages dropped, streams begun (``epoch``)."""
+
+    def __init__(self, url: str) -> None:
+        self.url = url
+        self.epoch = 0
+        self.received_bytes = 0
+        self.sent_bytes = 0
+        self.dropped_messages = 0
+
+    @property
+    @abstractmethod
+    def fd(self) -> int | None:
+        """The file descriptor to watch now; None while there is none."""
+
+    @property
+    def wants_write(self) -> bool:
+        """Whether ``flush`` has something to do once the descriptor is writable."""
+        return False
+
+    @property
+    def next_deadline_ns(self) -> int | None:
+        """When ``receive`` wants to be called even if nothing is readable."""
+        return None
+
+    @property
+    def is_up(self) -> bool:
+        """Whether messages can be sent at all."""
+        return self.fd is not None
+
+    @abstractmethod
+    def receive(self, now_ns: int) -> bytes:
+        """What has arrived, at most one read; empty when nothing has. Also opens again what was lost."""
+
+    @abstractmethod
+    def send(self, message: bytes, now_ns: int) -> None:
+        """Send one whole message, or drop and count it."""
+
+    @abstractmethod
+    def flush(self, now_ns: int) -> None:
+        """Send on what is waiting; to be called when the descriptor is writable."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Close; nothing is sent after that."""
+
+
+class Backoff:
+    """When to try again: soon at first, then ever more slowly, up to a limit."""
+
+    def __init__(self) -> None:
+        self.wait_ns = FIRST_RETRY_NS
+        self.reason = ""
+
+    def next(self, url: str, reason: str, now_ns: int) -> int:
+        """The time of the next try. A reason is logged as a warning once, not at every try."""
+        level = logging.DEBUG if reason == self.reason else logging.WARNING
+        log.log(level, "%s: %s; trying again, at the latest every %g s", url, reason, LONGEST_RETRY_NS / 1e9)
+        self.reason = reason
+        due_ns = now_ns + self.wait_ns
+        self.wait_ns = min(2 * self.wait_ns, LONGEST_RETRY_NS)
+        return due_ns
+
+    def reset(self) -> None:
+        """The link works: begin with the short wait next time."""
+        self.wait_ns = FIRST_RETRY_NS
+        self.reason = ""
+
+
+def open_link(url: LinkUrl, now_ns: int, *, wait: bool = True) -> Link:
+    """Open the link; LinkError (exit code 69) says in one line what to do.
+
+    A port that is taken, or that may not be opened, is an error at once. A serial device that is not there yet, or a
+    TCP server that does not answer, is waited for unless ``wait`` is False. ``sim:`` is opened by
+    ``attest_mav.runtime.links.sim``, since it needs a vehicle.
+    """
+    # Imported here: most programs need one kind of link, and pyserial takes its time to load.
+    if url.scheme is Scheme.SERIAL:
+        from attest_mav.runtime.links.serial import SerialLink  # noqa: PLC0415
+
+        return SerialLink(url, now_ns, wait=wait)
+    if url.scheme is Scheme.TCP:
+        from attest_mav.runtime.links.tcp_client import TcpClientLink  # noqa: PLC0415
+
+        return TcpClientLink(url, now_ns, wait=wait)
+    if url.scheme is Scheme.TCPIN:
+        from attest_mav.runtime.links.tcp_server import TcpServerLink  # noqa: PLC0415
+
+        return TcpServerLink(url)
+    if url.scheme is Scheme.SIM:
+        raise LinkError("sim: is a vehicle inside the daemon; give it to `attest-mav run` only")
+    from attest_mav.runtime.links.udp import UdpInLink, UdpOutLink  # noqa: PLC0415
+
+    return UdpInLink(url) if url.scheme is Scheme.UDPIN else UdpOutLink(url)
+
+
+def resolve(url: LinkUrl, kind: socket.SocketKind) -> tuple[socket.AddressFamily, Address]:
+    """Look the host up, once and at the start: a name look-up blocks, so it has no place in the loop."""
+    try:
+        family, _, _, _, address = socket.getaddrinfo(url.host, url.port, type=kind)[0]
+    except (OSError, UnicodeError) as error:
+        raise LinkError(f"cannot open {url}: host {url.host!r} is not known ({error}); use an IP address") from None
+    return family, address  # type: ignore[return-value]  # only IPv4 and IPv6 are asked for
+
+
+def bind_error(url: LinkUrl, error: OSError) -> LinkError:
+    """One line for a listener that cannot be had."""
+    advice = {
+        errno.EADDRINUSE: "stop the program that has the port, or choose another",
+        errno.EADDRNOTAVAIL: "this machine does not have the address; give one of its own, or 0.0.0.0 for all of them",
+        errno.EACCES: "ports below 1024 are the superuser's; choose a higher one",
+    }
+    what_to_do = advice.get(error.errno or 0, "check address and port")
+    return LinkError(f"cannot listen on {url}: {error.strerror or error}; {what_to_do}")
+
+
+def bound_url(url: LinkUrl, sock: socket.socket) -> str:
+    """The URL with the port that the system chose where 0 was asked for."""
+    return str(LinkUrl(url.scheme, host=url.host, port=sock.getsockname()[1]))

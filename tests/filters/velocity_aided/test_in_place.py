@@ -1,0 +1,82 @@
+"""Motion that stays in place, without any velocity: carried and turned by hand."""
+
+import copy
+from math import radians
+
+import numpy as np
+import pytest
+
+from attest_mav.algebra import q_from_euler
+from attest_mav.filters.base import Aids
+from attest_mav.filters.velocity_aided.control import Aid
+
+from .conftest import DECLINATION, FINE_S, Motion, rms
+
+SWINGS = ((0.7, 0.2), (1.1, 0.9), (0.5, 1.7))
+"""Frequency (Hz) and phase of the hand along each axis; 0.2 m each, so up to 9 m/s^2."""
+
+
+@pytest.fixture(scope="module")
+def hand():
+    """Five seconds of rest, then 55 s of turning by up to 60 degrees and swinging by 0.2 m, then rest again."""
+    t = np.arange(0.0, 65.0, FINE_S)
+    fade = np.clip(np.minimum(t - 5.0, 60.0 - t), 0.0, 1.0)
+    fade = fade * fade * (3.0 - 2.0 * fade)
+    swing = np.stack([0.2 * fade * np.sin(2.0 * np.pi * f * t + p) for f, p in SWINGS], axis=1)
+    velocity = np.gradient(swing, FINE_S, axis=0)
+    angles = [
+        radians(60.0) * fade * np.sin(1.3 * t),
+        radians(50.0) * fade * np.sin(1.9 * t + 1.0),
+        0.4 + 1.5 * fade * np.sin(0.6 * t),
+    ]
+    roll, pitch, _ = angles
+    rolling, pitching, yawing = (np.gradient(one, FINE_S) for one in angles)
+    rate = np.stack(
+        [
+            rolling - yawing * np.sin(pitch),
+            pitching * np.cos(roll) + yawing * np.sin(roll) * np.cos(pitch),
+            -pitching * np.sin(roll) + yawing * np.cos(roll) * np.cos(pitch),
+        ],
+        axis=1,
+    )
+    q = np.array([q_from_euler(*each) for each in zip(*angles, strict=True)])
+    return Motion(q, rate, velocity, np.gradient(velocity, FINE_S, axis=0))
+
+
+@pytest.fixture(scope="module")
+def worn(hand, telemetry):
+    """The hand's motion with the errors of real sensors, at 100 Hz, and no velocity."""
+    flight = telemetry(
+        hand, rate_hz=100.0, integer=False, gyro_bias=(0.004, -0.003, 0.005), gyro_noise=2e-3, accel_noise=0.05,
+        accel_bias=(0.03, -0.04, 0.02), mag_noise=2e-3,
+    )  # fmt: skip
+    flight.aids = [Aids(declination=DECLINATION) for _ in flight.samples]
+    return flight
+
+
+def test_swinging_does_not_tilt_it(worn):
+    states = worn.run()
+    tilt, heading = worn.errors(states)
+    assert states[3000].flying.aid == Aid.PLACE
+    assert states[-1].flying.aid == Aid.REST
+    assert rms(tilt[600:]) < 0.6
+    assert rms(heading[600:]) < 1.5
+    sigma = np.degrees([s.tilt_sigma for s in states])
+    assert np.mean(tilt[600:] < 3.0 * sigma[600:]) > 0.99
+
+
+def test_a_vehicle_under_way_is_not_held_in_place(worn):
+    sent = copy.copy(worn)
+    sent.aids = [Aids(declination=DECLINATION, in_place=False) for _ in worn.samples]
+    states = sent.run(last=3000)
+    assert states[-1].flying.aid == Aid.GRAVITY
+
+
+def test_a_gyro_that_shows_too_much_is_found_out(hand, telemetry):
+    """Half a per cent too much about the body's z."""
+    shown = Motion(hand.q, hand.rate * (1.0, 1.0, 1.005), hand.velocity, hand.acceleration)
+    flight = telemetry(shown, rate_hz=100.0, integer=False, gyro_noise=5e-4, accel_noise=0.02, mag_noise=1e-3)
+    flight.aids = [Aids(declination=DECLINATION) for _ in flight.samples]
+    scale = flight.run()[-1].flying.motion.gyro_scale
+    assert scale[2] == pytest.approx(0.005, abs=0.002)
+    assert scale[:2] == pytest.approx((0.0, 0.0), abs=0.002)

@@ -1,0 +1,184 @@
+"""Asking the autopilot for its settings, on virtual time."""
+
+from math import inf, nan
+
+import pytest
+
+from attest_mav.filters.base import VehicleFacts
+from attest_mav.mavlink.component.companion import CompanionSettings
+from attest_mav.mavlink.component.vehicle_data import DataSettings
+from attest_mav.types import ParameterSample, Setting
+
+BOTH = VehicleFacts(20.0, 0.1)
+
+
+@pytest.fixture
+def curious(bench):
+    """A bench whose filter wants to know these settings."""
+
+    def make(assumed=BOTH, asks=True, **others):
+        return bench(CompanionSettings(data=DataSettings(asks=asks, assumed=assumed), **others))
+
+    return make
+
+
+def tell(b, name, setting, value):
+    b.companion.parameter_taken(ParameterSample("PARAM_VALUE", 1, 1, b.now_ns, name, setting, value))
+
+
+def names(b):
+    return [one.param_id for one in b.of_type("PARAM_REQUEST_READ")]
+
+
+def beat_until(b, t_s, autopilot=3, **ids):
+    """Time goes on, with a heartbeat of the vehicle every 0.1 s."""
+    b.vehicle_heartbeat(autopilot=autopilot, **ids)
+    b.run_until(t_s, every=lambda: b.vehicle_heartbeat(autopilot=autopilot, **ids))
+
+
+def about_parameters(b):
+    return [note for note in b.notes if "gyro low-pass" in note or "GPS delay" in note]
+
+
+def test_parameters_are_asked_by_name_of_the_autopilots_exact_ids(curious):
+    b = curious()
+    beat_until(b, 0.5, system=7)
+    asked = b.of_type("PARAM_REQUEST_READ")
+    assert [(m.target_system, m.target_component, m.param_index, m.param_id) for m in asked] == [
+        (7, 1, -1, "INS_GYRO_FILTER"),
+        (7, 1, -1, "GPS1_DELAY_MS"),
+    ]
+    assert {(m.get_srcSystem(), m.get_srcComponent()) for m in asked} == {(7, 193)}
+
+
+def test_nothing_is_asked_before_there_is_a_vehicle(curious):
+    b = curious()
+    b.run_until(5.0)
+    assert names(b) == []
+
+
+@pytest.mark.parametrize(
+    ("assumed", "autopilot", "expected"),
+    [
+        (VehicleFacts(), 3, []),
+        (VehicleFacts(nan, 0.1), 3, ["GPS1_DELAY_MS"]),
+        (VehicleFacts(20.0, nan), 3, ["INS_GYRO_FILTER"]),
+        (BOTH, 12, ["EKF2_GPS_DELAY"]),
+        (BOTH, 0, []),
+    ],
+)
+def test_only_what_the_filter_wants_and_the_autopilot_has_is_asked(curious, assumed, autopilot, expected):
+    b = curious(assumed)
+    beat_until(b, 0.5, autopilot)
+    assert names(b) == expected
+
+
+def test_who_asks_for_nothing_asks_for_no_parameters_and_listens(curious):
+    b = curious(asks=False)
+    beat_until(b, 3.0)
+    assert names(b) == []
+    tell(b, "INS_GYRO_FILTER", Setting.LOW_PASS_HZ, 40.0)
+    b.run_until(3.1)
+    assert about_parameters(b) == ["the autopilot's gyro low-pass is 40 Hz (INS_GYRO_FILTER)"]
+
+
+def test_parameter_values_are_only_framed_for_a_filter_that_wants_them(curious, dialect):
+    identifier = dialect.id_of("PARAM_VALUE")
+    assert identifier in curious().companion.wanted
+    assert identifier not in curious(VehicleFacts()).companion.wanted
+
+
+def test_an_answer_ends_the_asking_and_is_said_once(curious):
+    b = curious()
+    beat_until(b, 0.5)
+    tell(b, "INS_GYRO_FILTER", Setting.LOW_PASS_HZ, 20.0)
+    tell(b, "GPS1_DELAY_MS", Setting.FIX_DELAY_S, 0.22)
+    tell(b, "INS_GYRO_FILTER", Setting.LOW_PASS_HZ, 20.0)
+    beat_until(b, 90.0)
+    assert len(names(b)) == 2
+    assert about_parameters(b) == [
+        "the autopilot's gyro low-pass is 20 Hz (INS_GYRO_FILTER)",
+        "the autopilot's GPS delay is 0.22 s (GPS1_DELAY_MS)",
+    ]
+
+
+def test_a_change_is_said(curious):
+    b = curious()
+    beat_until(b, 0.5)
+    for value in (20.0, 20.0, 80.0):
+        tell(b, "INS_GYRO_FILTER", Setting.LOW_PASS_HZ, value)
+    b.run_until(0.6)
+    assert [note for note in b.notes if "low-pass" in note][-1].endswith("is 80 Hz (INS_GYRO_FILTER)")
+    assert len(about_parameters(b)) == 2
+
+
+def test_a_default_that_the_autopilot_does_not_tell_is_an_answer(curious):
+    b = curious(VehicleFacts(nan, 0.1))
+    beat_until(b, 0.5)
+    tell(b, "GPS1_DELAY_MS", Setting.FIX_DELAY_S, nan)
+    beat_until(b, 20.0)
+    assert names(b) == ["GPS1_DELAY_MS"]
+    assert about_parameters(b) == [
+        "the autopilot's GPS delay is left to a driver (GPS1_DELAY_MS is 0): 0.1 s is assumed"
+    ]
+
+
+def test_a_silent_autopilot_is_asked_ever_more_seldom_by_each_name_and_then_let_be(curious):
+    b = curious(VehicleFacts(nan, 0.1))
+    count, times = 0, []
+    b.vehicle_heartbeat()
+    while b.now_ns < 120e9:
+        b.run_until(b.now_ns * 1e-9 + 0.5)
+        b.vehicle_heartbeat()
+        times += [round(b.now_ns * 1e-9)] * (len(names(b)) - count)
+        count = len(names(b))
+    assert times == pytest.approx([0, 1, 3, 7, 15, 31], abs=1)
+    assert names(b) == ["GPS1_DELAY_MS", "GPS_DELAY_MS"] * 3
+    assert about_parameters(b) == [
+        "the autopilot does not tell its GPS delay (GPS1_DELAY_MS or GPS_DELAY_MS): 0.1 s is assumed"
+    ]
+
+
+def test_a_reboot_and_a_return_ask_again(curious):
+    b = curious(VehicleFacts(20.0, nan))
+    beat_until(b, 0.5)
+    tell(b, "INS_GYRO_FILTER", Setting.LOW_PASS_HZ, 20.0)
+    beat_until(b, 2.0)
+    b.companion.ask_again(b.now_ns)
+    beat_until(b, 2.5)
+    assert names(b) == ["INS_GYRO_FILTER"] * 2, "it may have been set to something else before the reboot"
+    tell(b, "INS_GYRO_FILTER", Setting.LOW_PASS_HZ, 20.0)
+    b.companion.link_broken(0)
+    b.run_until(3.5)
+    assert len(names(b)) == 2, "nobody is there to answer"
+    beat_until(b, 4.0)
+    assert names(b) == ["INS_GYRO_FILTER"] * 3
+    assert len(about_parameters(b)) == 1, "nothing new was learned"
+
+
+def test_nobody_is_asked_while_the_vehicle_is_silent(curious):
+    b = curious(VehicleFacts(20.0, nan))
+    b.vehicle_heartbeat()
+    b.run_until(60.0)
+    assert len(names(b)) <= 3
+    assert about_parameters(b) == []
+
+
+def test_another_vehicle_is_asked_anew(curious):
+    b = curious(VehicleFacts(20.0, nan))
+    beat_until(b, 0.5, component=140)
+    assert names(b) == [], "a component that is not the autopilot is waited with"
+    beat_until(b, 3.8, component=140)
+    tell(b, "INS_GYRO_FILTER", Setting.LOW_PASS_HZ, 20.0)
+    beat_until(b, 4.5, component=1)
+    tell(b, "INS_GYRO_FILTER", Setting.LOW_PASS_HZ, 20.0)
+    b.run_until(4.6)
+    assert [m.target_component for m in b.of_type("PARAM_REQUEST_READ")] == [140, 1]
+    assert len(about_parameters(b)) == 2
+
+
+def test_asking_sets_no_loop_spinning(curious):
+    b = curious()
+    b.vehicle_heartbeat()
+    b.run_until(0.2)
+    assert 0 < b.companion.next_deadline_ns - b.now_ns < inf

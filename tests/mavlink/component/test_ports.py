@@ -1,0 +1,128 @@
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from attest_mav.mavlink.component.ports import PortSettings, Schedule
+
+SECOND = 1_000_000_000
+BOTH = PortSettings(attitude=True, covariance=True)
+
+
+def test_the_attitude_carries_the_sample_time_and_the_rates(bench, estimate):
+    b = bench()
+    b.vehicle_heartbeat(system=7)
+    half = math.sqrt(0.5)
+    b.publish(estimate(t_s=12.345, q_nb=(half, 0.0, 0.0, half), rates=(0.1, -0.2, 0.3)))
+    (message,) = b.of_type("ATTITUDE_QUATERNION")
+    assert message.time_boot_ms == 12345
+    assert (message.get_srcSystem(), message.get_srcComponent()) == (7, 193)
+    assert [message.q1, message.q2, message.q3, message.q4] == pytest.approx([half, 0.0, 0.0, half])
+    assert [message.rollspeed, message.pitchspeed, message.yawspeed] == pytest.approx([0.1, -0.2, 0.3])
+    assert list(message.repr_offset_q) == [0.0] * 4
+
+
+def test_time_wraps_as_the_autopilots_clock_does(bench, estimate):
+    b = bench()
+    b.publish(estimate(t_s=2**32 / 1000 + 1.5))
+    assert b.of_type("ATTITUDE_QUATERNION")[0].time_boot_ms == 1500
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        {"q_nb": (math.nan, 0.0, 0.0, 0.0)},
+        {"q_nb": (math.inf, 0.0, 0.0, 0.0)},
+        {"q_nb": (0.0, 0.0, 0.0, 0.0)},
+        {"q_nb": (0.5, 0.0, 0.0, 0.0)},
+        {"rates": (math.nan, 0.0, 0.0)},
+        {"rates": (0.0, math.inf, 0.0)},
+        {"rates": (0.0, 1e300, 0.0)},
+    ],
+)
+def test_what_is_no_attitude_is_never_sent(bench, estimate, bad):
+    b = bench(links=[BOTH])
+    b.publish(estimate(**bad))
+    assert b.sent == [[]]
+
+
+def test_the_covariance_is_filled_where_it_is_known_and_marked_unknown_where_not(bench, estimate):
+    b = bench(links=[PortSettings(attitude=False, covariance=True)])
+    b.publish(estimate(t_s=1.0))
+    b.publish(estimate(t_s=2.0, sigma=0.1))
+    unknown, known = b.of_type("ATTITUDE_QUATERNION_COV")
+    assert math.isnan(unknown.covariance[0])
+    assert list(known.covariance) == pytest.approx([0.01, 0.0, 0.0, 0.0, 0.01, 0.0, 0.0, 0.0, 0.01])
+    assert known.time_usec == 2_000_000
+    assert b.of_type("ATTITUDE_QUATERNION") == []
+
+
+def test_each_link_carries_what_it_is_told_to(bench, estimate):
+    b = bench(links=[PortSettings(), PortSettings(attitude=False), BOTH])
+    b.publish(estimate())
+    assert [len(sent) for sent in b.sent] == [1, 0, 2]
+
+
+def test_sequence_numbers_run_through_on_each_link(bench, estimate):
+    b = bench(links=[PortSettings(), BOTH])
+    b.vehicle_heartbeat()
+    for tick in range(40):
+        b.run_until(tick * 0.1)
+        b.publish(estimate(t_s=tick * 0.1))
+    for sent in b.sent:
+        numbers = [message.get_seq() for message in sent]
+        assert numbers == [(numbers[0] + step) % 256 for step in range(len(numbers))]
+
+
+@settings(derandomize=True, max_examples=60)
+@given(st.floats(1.0, 100.0), st.floats(1.0, 400.0), st.floats(0.0, 0.3))
+def test_a_schedule_keeps_the_rate_whatever_the_samples(hz, sample_hz, jitter):
+    schedule = Schedule(int(SECOND / hz))
+    sent, t_s = 0, 0.0
+    for number in range(2000):
+        wobble = jitter * math.sin(number * 1.7) / sample_hz
+        t_s = number / sample_hz + wobble
+        sent += schedule.due(round(t_s * SECOND) + 5 * SECOND)
+    highest = min(hz, sample_hz)
+    assert sent / t_s <= highest * 1.12 + 2.0 / t_s
+    if hz <= 0.5 * sample_hz:
+        assert sent / t_s >= highest * 0.9 - 2.0 / t_s
+
+
+def test_attitude_is_held_back_while_another_onboard_computer_is_heard(bench, estimate):
+    b = bench(links=[BOTH, PortSettings()])
+    b.vehicle_heartbeat()
+    b.hear(onboard_heartbeat(), system=1, component=191, link=0)
+    b.publish(estimate(t_s=1.0))
+    assert b.of_type("ATTITUDE_QUATERNION", 0) == []
+    assert len(b.of_type("ATTITUDE_QUATERNION_COV", 0)) == 1, "nobody mistakes that one"
+    assert len(b.of_type("ATTITUDE_QUATERNION", 1)) == 1, "not heard there"
+    b.run_until(6.0)
+    b.publish(estimate(t_s=6.0))
+    assert len(b.of_type("ATTITUDE_QUATERNION", 0)) == 1
+    assert any("held back: component 191" in note for note in b.notes)
+    assert any("sent again" in note for note in b.notes)
+
+
+def test_who_is_not_to_yield_does_not(bench, estimate):
+    b = bench(links=[PortSettings(yields=False)])
+    b.vehicle_heartbeat()
+    b.hear(onboard_heartbeat(), system=1, component=191)
+    b.publish(estimate())
+    assert len(b.of_type("ATTITUDE_QUATERNION")) == 1
+
+
+def test_a_ground_station_or_another_system_holds_nothing_back(bench, estimate):
+    b = bench()
+    b.vehicle_heartbeat()
+    b.hear(onboard_heartbeat(), system=42, component=191)
+    b.hear(onboard_heartbeat(vehicle_type=6), system=1, component=190)
+    b.publish(estimate())
+    assert len(b.of_type("ATTITUDE_QUATERNION")) == 1
+
+
+def onboard_heartbeat(vehicle_type=18):
+    from pymavlink.dialects.v20 import ardupilotmega as mavlink  # noqa: PLC0415
+
+    return mavlink.MAVLink_heartbeat_message(vehicle_type, 8, 0, 0, 4, 3)
