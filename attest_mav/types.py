@@ -19,10 +19,16 @@ North
     ``North`` says what a heading refers to. Magnetic and true north differ by the declination
     (positive east): true = magnetic + declination.
 
+Meaning
+    A filter compares no message name. Who measured a value, with which resolution, and what it may be used for stand
+    in fields: ``Quantum``, ``VelocityOrigin``, ``AttitudeRole``, ``AttitudeForm``, ``VehicleKind``,
+    ``AirspeedSource``. ``source`` is for people, and for choosing one stream among several.
+
 Records made once a sample are plain classes, set once and never changed afterwards: compiled, they are
 made in some 30 ns, where a frozen dataclass takes 550.
 """
 
+from dataclasses import dataclass
 from enum import IntEnum
 from math import nan
 from typing import Final
@@ -57,6 +63,54 @@ class Setting(IntEnum):
     """Age of the receiver's velocity at the time that GPS_RAW_INT names, s."""
 
 
+@dataclass(frozen=True)
+class VehicleSettings:
+    """The settings of the vehicle (``Setting``) as far as they are known; NaN where one is not."""
+
+    low_pass_hz: float = nan
+    fix_delay_s: float = nan
+
+    def get(self, setting: Setting) -> float:
+        """The value of one setting."""
+        return self.low_pass_hz if setting == Setting.LOW_PASS_HZ else self.fix_delay_s
+
+    def updated(self, setting: Setting, value: float) -> "VehicleSettings":
+        """The settings with one of them replaced; NaN takes back an earlier value."""
+        if setting == Setting.LOW_PASS_HZ:
+            return VehicleSettings(value, self.fix_delay_s)
+        return VehicleSettings(self.low_pass_hz, value)
+
+
+class VehicleKind(IntEnum):
+    """How a vehicle can move; it decides which speeds tell something of its attitude."""
+
+    UNKNOWN = 0
+    """Nothing is known, or the kind allows any motion (submarines, balloons)."""
+    ROTARY = 1
+    """Copters and helicopters: they move in any direction."""
+    WING = 2
+    """Aeroplanes, and VTOL vehicles, which fly as aeroplanes when they are fast: through the air they go where they
+    point."""
+    SURFACE = 3
+    """Ground vehicles and boats: over ground they go where they point."""
+
+
+class Quantum:
+    """The resolution of an inertial sample's readings: one count of gyro (rad/s), accel (m/s^2) and mag (gauss).
+
+    Readings are truncated toward zero to whole counts; 0 means that they are exact.
+    """
+
+    def __init__(self, gyro: float, accel: float, mag: float) -> None:
+        self.gyro: Final = gyro
+        self.accel: Final = accel
+        self.mag: Final = mag
+
+
+EXACT: Final = Quantum(0.0, 0.0, 0.0)
+"""The quantum of readings that are floating-point numbers."""
+
+
 class EarthField:
     """The direction of the Earth's magnetic field where the vehicle is; rad, NaN where it is not known.
 
@@ -71,7 +125,7 @@ class EarthField:
 class Sample:
     """Base of everything a decoder makes out of one message.
 
-    ``source`` is the MAVLink message name, ``system`` and ``component`` who sent it.
+    ``source`` names the stream (the MAVLink message or log record), ``system`` and ``component`` who sent it.
     """
 
     def __init__(self, source: str, system: int, component: int, t_ns: int, rx_ns: int) -> None:
@@ -86,7 +140,8 @@ class ImuSample(Sample):
     """One reading of one inertial sensor, in SI units, body frame.
 
     gyro: angular rate, rad/s. accel: specific force, m/s^2. mag: field, gauss; None when the message carries
-    none or a field of zeros. saturated: a gyro or accelerometer component is at 99 % of its range or more.
+    none or a field of zeros. saturated: a gyro or accelerometer component is at 99 % of its range or more. quantum: the
+    resolution of the readings.
     """
 
     def __init__(
@@ -100,24 +155,54 @@ class ImuSample(Sample):
         accel: Vec3,
         mag: Vec3 | None,
         saturated: bool = False,
+        quantum: Quantum = EXACT,
     ) -> None:
         super().__init__(source, system, component, t_ns, rx_ns)
         self.gyro: Final = gyro
         self.accel: Final = accel
         self.mag: Final = mag
         self.saturated: Final = saturated
+        self.quantum: Final = quantum
 
     def with_readings(self, gyro: Vec3, accel: Vec3, mag: Vec3 | None) -> "ImuSample":
         """The same sample with other readings; units as above."""
         return ImuSample(
-            self.source, self.system, self.component, self.t_ns, self.rx_ns, gyro, accel, mag, self.saturated
+            self.source,
+            self.system,
+            self.component,
+            self.t_ns,
+            self.rx_ns,
+            gyro,
+            accel,
+            mag,
+            self.saturated,
+            self.quantum,
         )
 
 
-class AttitudeSample(Sample):
-    """An attitude someone else reports: the autopilot (ATTITUDE, ATTITUDE_QUATERNION, AHRS2) or a simulator's truth.
+class AttitudeRole(IntEnum):
+    """Whose attitude a sample carries, and so what it may be used for."""
 
-    q_nb: body to NED, true north. rates: body angular rate, rad/s, or None where the message has none.
+    AUTOPILOT = 0
+    """The attitude that the autopilot flies by: the one to be judged (ATTITUDE, ATTITUDE_QUATERNION)."""
+    SECONDARY = 1
+    """Another estimator of the autopilot: context, never judged (AHRS2)."""
+    TRUTH = 2
+    """A simulator's own state (SIM_STATE, SIMSTATE)."""
+
+
+class AttitudeForm(IntEnum):
+    """How the message writes the attitude. Where one sender sends both, the quaternion is used."""
+
+    EULER = 0
+    QUATERNION = 1
+
+
+class AttitudeSample(Sample):
+    """An attitude that someone else reports.
+
+    q_nb: body to NED, true north. rates: body angular rate, rad/s, or None where the message has none. role: whose it
+    is. form: how it was written.
     """
 
     def __init__(
@@ -129,16 +214,29 @@ class AttitudeSample(Sample):
         rx_ns: int,
         q_nb: Quat,
         rates: Vec3 | None,
+        role: AttitudeRole,
+        form: AttitudeForm = AttitudeForm.EULER,
     ) -> None:
         super().__init__(source, system, component, t_ns, rx_ns)
         self.q_nb: Final = q_nb
         self.rates: Final = rates
+        self.role: Final = role
+        self.form: Final = form
+
+
+class VelocityOrigin(IntEnum):
+    """Who measured a velocity. It decides its delay, and whether it is independent of the autopilot's estimator."""
+
+    RECEIVER = 0
+    """A satellite receiver, unfiltered: late by the receiver's delay (GPS_RAW_INT; GPS records of logs)."""
+    ESTIMATOR = 1
+    """The autopilot's own estimator: not independent, nearly without delay (GLOBAL_POSITION_INT)."""
 
 
 class VelocitySample(Sample):
-    """Velocity over ground in NED, m/s (GPS_RAW_INT, GLOBAL_POSITION_INT, LOCAL_POSITION_NED).
+    """Velocity over ground in NED, m/s.
 
-    ``vertical_known`` is False where the message has no vertical velocity (its z is then 0).
+    ``vertical_known`` is False where the message has no vertical velocity (its z is then 0). ``origin``: who measured.
     """
 
     def __init__(
@@ -150,10 +248,18 @@ class VelocitySample(Sample):
         rx_ns: int,
         v_ned: Vec3,
         vertical_known: bool,
+        origin: VelocityOrigin,
     ) -> None:
         super().__init__(source, system, component, t_ns, rx_ns)
         self.v_ned: Final = v_ned
         self.vertical_known: Final = vertical_known
+        self.origin: Final = origin
+
+    def with_velocity(self, v_ned: Vec3) -> "VelocitySample":
+        """The same sample with another velocity, m/s."""
+        return VelocitySample(
+            self.source, self.system, self.component, self.t_ns, self.rx_ns, v_ned, self.vertical_known, self.origin
+        )
 
 
 class PositionSample(Sample):
@@ -179,8 +285,21 @@ class PositionSample(Sample):
         self.altitude_m: Final = altitude_m
 
 
+class AirspeedSource(IntEnum):
+    """Where an airspeed comes from."""
+
+    SENSOR = 0
+    """A pitot tube, by its own message or record."""
+    REPORTED = 1
+    """The autopilot's display value (VFR_HUD): a sensor's where there is one, else made of groundspeed and wind."""
+
+
 class AirDataSample(Sample):
-    """VFR_HUD: airspeed and groundspeed in m/s, climb in m/s upward. VFR_HUD carries no time."""
+    """Speeds for display: airspeed and groundspeed in m/s, climb in m/s upward; NaN for one that is not known.
+
+    groundspeed and climb are the autopilot's own estimates. airspeed_source: where the airspeed comes from. VFR_HUD
+    carries no time.
+    """
 
     def __init__(
         self,
@@ -191,15 +310,20 @@ class AirDataSample(Sample):
         airspeed: float,
         groundspeed: float,
         climb: float,
+        airspeed_source: AirspeedSource = AirspeedSource.REPORTED,
     ) -> None:
         super().__init__(source, system, component, NO_TIME, rx_ns)
         self.airspeed: Final = airspeed
         self.groundspeed: Final = groundspeed
         self.climb: Final = climb
+        self.airspeed_source: Final = airspeed_source
 
 
 class HeartbeatSample(Sample):
-    """HEARTBEAT: who is there. ``vehicle_type`` is MAV_TYPE, ``autopilot`` MAV_AUTOPILOT, ``status`` MAV_STATE."""
+    """HEARTBEAT: who is there.
+
+    ``vehicle_type`` is MAV_TYPE, ``kind`` how such a vehicle moves, ``autopilot`` MAV_AUTOPILOT, ``status`` MAV_STATE.
+    """
 
     def __init__(
         self,
@@ -211,9 +335,11 @@ class HeartbeatSample(Sample):
         autopilot: int,
         armed: bool,
         status: int,
+        kind: VehicleKind = VehicleKind.UNKNOWN,
     ) -> None:
         super().__init__(source, system, component, NO_TIME, rx_ns)
         self.vehicle_type: Final = vehicle_type
+        self.kind: Final = kind
         self.autopilot: Final = autopilot
         self.armed: Final = armed
         self.status: Final = status

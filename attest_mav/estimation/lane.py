@@ -1,7 +1,4 @@
-"""One lane: one inertial sensor with its time base, its alignment and its filters.
-
-Several filters may run on a lane to be compared; they share the samples and the alignment, nothing else.
-"""
+"""One lane: one inertial sensor with its time base, its alignment and its filter."""
 
 from math import isfinite
 from typing import Final
@@ -10,11 +7,12 @@ from attest_mav.algebra import is_finite, norm, q_norm
 from attest_mav.estimation.alignment import Aligner, ecompass
 from attest_mav.estimation.delay import DelayMeter
 from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind
+from attest_mav.estimation.filter_run import FilterRun, field_heading
+from attest_mav.estimation.lane_inputs import LaneInputs
 from attest_mav.estimation.sensors import FieldMonitor, FreezeDetector
 from attest_mav.estimation.timebase import StepKind, TimeBase, TimeStep
-from attest_mav.estimation.track import Track, field_heading
-from attest_mav.estimation.vehicle import Aiding, AidSettings
-from attest_mav.filters.base import AttitudeFilter, FilterState, Start, VehicleFacts
+from attest_mav.estimation.vehicle import Vehicle
+from attest_mav.filters.base import AttitudeFilter, FilterState, Start
 from attest_mav.types import ImuSample, North
 
 HEADING_MEMORY_S: Final = 10.0
@@ -33,9 +31,8 @@ class Lane:
     frozen (repeated by a frozen sensor).
     """
 
-    def __init__(self, source: str, filters: list[AttitudeFilter], aids: AidSettings) -> None:
+    def __init__(self, source: str, attitude_filter: AttitudeFilter, vehicle: Vehicle) -> None:
         self.source: Final = source
-        self.aiding: Final = Aiding(aids)
         self.samples = 0
         self.repeats = 0
         self.late = 0
@@ -43,7 +40,10 @@ class Lane:
         self.restarts = 0
         self.rejected = 0
         self.frozen = 0
-        self._tracks = [Track(one) for one in filters]
+        self._vehicle: Final = vehicle
+        self._inputs: Final = LaneInputs(vehicle)
+        self._run: Final = FilterRun(attitude_filter)
+        self._run.set_vehicle_settings(vehicle.settings)
         self._timebase = TimeBase()
         self._aligner = Aligner()
         self._delay = DelayMeter()
@@ -55,22 +55,21 @@ class Lane:
 
     @property
     def aligned(self) -> bool:
-        """True once the filters run that do not align themselves."""
+        """True once a filter runs that does not align itself."""
         return self._aligned
 
     @property
     def rests_on(self) -> str:
-        """What the first filter rests on, see ``FilterState.rests_on``; "" before it runs."""
-        state = self._tracks[0].state
+        """The aiding of the filter, see ``FilterState.rests_on``; "" before it runs."""
+        state = self._run.state
         return "" if state is None else state.rests_on
 
-    def inform(self, facts: VehicleFacts) -> None:
-        """Tell the filters the vehicle's settings; their states go on."""
-        for track in self._tracks:
-            track.inform(facts)
+    def use_vehicle_settings(self) -> None:
+        """Give the filter the vehicle's settings as they are now; its state goes on."""
+        self._run.set_vehicle_settings(self._vehicle.settings)
 
     def handle(self, sample: ImuSample) -> list[Event]:
-        """Take the next sample of this source. What aids the filters was given to ``aiding`` before."""
+        """Take the next sample of this source."""
         events: list[Event] = []
         if not is_finite(sample.gyro):
             self.rejected += 1
@@ -87,7 +86,7 @@ class Lane:
         self._is_frozen, self._frozen_s = False, 0.0
         if not self._field.usable(sample, norm(sample.gyro) * step.dt_s, step.dt_s) and sample.mag is not None:
             sample = sample.with_readings(sample.gyro, sample.accel, None)
-        self.aiding.advance(sample, step.dt_s)
+        self._inputs.advance(sample, step.dt_s)
         self._step(sample, dt_s, events)
         if not self._aligned:
             self._align(sample, step.dt_s, events)
@@ -112,8 +111,7 @@ class Lane:
             self._restart(sample, events, LaneEventKind.RESTARTED, text)
         elif kind == StepKind.REBOOT:
             self._restart(sample, events, LaneEventKind.REBOOTED, "the sensor clock went back: aligning again")
-            for track in self._tracks:
-                track.state = None
+            self._run.state = None
         return True
 
     def _restart(self, sample: ImuSample, events: list[Event], kind: LaneEventKind, text: str) -> None:
@@ -133,79 +131,73 @@ class Lane:
             self._restart(sample, events, LaneEventKind.FROZEN, "the sensor repeats one reading: samples ignored")
 
     def _align(self, sample: ImuSample, dt_s: float, events: list[Event]) -> None:
-        """Feed the aligner; start every filter once it is done."""
-        start = self._aligner.add(sample, dt_s, self.aiding.stands)
+        """Feed the aligner; start the filter once it is done, unless it aligns itself."""
+        stands = self._vehicle.stands
+        start = self._aligner.add(sample, dt_s, stands)
         if start is None:
             return
         self._aligned = True
-        stands = self.aiding.stands is True
-        ordinary = [track for track in self._tracks if not track.filter.aligns_itself]
-        for track in ordinary:
-            track.begin(start, stands)
-        if not ordinary:
+        if self._run.filter.aligns_itself:
             return
+        self._run.begin(start, stands is True)
         manner = "at rest" if start.at_rest else "in motion, or in doubt of it"
         heading = "magnetic heading" if start.north == North.MAGNETIC else "no heading: it starts at zero"
         self._tell(events, LaneEventKind.ALIGNED, sample, f"aligned {manner}, {heading}")
 
     def _step(self, sample: ImuSample, dt_s: float, events: list[Event]) -> None:
-        """One step of every filter that runs; one that leaves the unit sphere sends the lane back to alignment."""
-        for track in self._tracks:
-            state = track.state
-            if state is None:
-                self._begin_by_itself(track, sample)
-                continue
-            if not self._aligned and not track.filter.aligns_itself:
-                continue
-            aids = self.aiding.aids(sample, track.output, track.north)
-            state = track.filter.step(state, dt_s, sample, aids)
-            track.state = state
-            length = q_norm(state.q_nb)
-            if not isfinite(length) or length < 0.5:
-                track.state = None
-                self._restart(sample, events, LaneEventKind.RESTARTED, f"{track.filter.name} failed: aligning again")
-                return
-            self._judge(track, state, sample, events)
-        self.aiding.given()
+        """One step of the filter if it runs; one that leaves the unit sphere sends the lane back to alignment."""
+        run = self._run
+        if run.state is None:
+            self._begin_by_itself(run, sample)
+            return
+        if not self._aligned and not run.filter.aligns_itself:
+            return
+        state = run.filter.step(run.state, dt_s, sample, self._inputs.give(sample, run.output, run.north))
+        run.state = state
+        length = q_norm(state.q_nb)
+        if not isfinite(length) or length < 0.5:
+            run.state = None
+            self._restart(sample, events, LaneEventKind.RESTARTED, f"{run.filter.name} failed: aligning again")
+            return
+        self._judge(run, state, sample, events)
 
-    def _begin_by_itself(self, track: Track, sample: ImuSample) -> None:
+    def _begin_by_itself(self, run: FilterRun, sample: ImuSample) -> None:
         """Start a filter that aligns itself from one reading."""
-        if track.filter.aligns_itself and 0.0 < norm(sample.accel) < MAX_ACCEL:
+        if run.filter.aligns_itself and 0.0 < norm(sample.accel) < MAX_ACCEL:
             q_nb, north = ecompass(sample.accel, sample.mag)
-            track.begin(Start(q_nb, (0.0, 0.0, 0.0), north, sample.accel, sample.mag, False), stands=False)
+            run.begin(Start(q_nb, (0.0, 0.0, 0.0), north, sample.accel, sample.mag, False), stands=False)
 
-    def _judge(self, track: Track, state: FilterState, sample: ImuSample, events: list[Event]) -> None:
-        """Keep what the track says of itself true: whether it has settled, and what its heading refers to."""
+    def _judge(self, run: FilterRun, state: FilterState, sample: ImuSample, events: list[Event]) -> None:
+        """Keep what the run says of itself true: whether it has settled, and what its heading refers to."""
         own_north = state.referred_to
         if own_north is None:
-            self._judge_heading(track, state, sample, events)
+            self._judge_heading(run, state, sample, events)
         else:
-            track.north = own_north
-        if track.filter.aligns_itself and state.aligned != track.aligned:
+            run.north = own_north
+        if run.filter.aligns_itself and state.aligned != run.aligned:
             kind = LaneEventKind.ALIGNED if state.aligned else LaneEventKind.RESTARTED
             text = "has found its attitude" if state.aligned else "has lost its attitude: aligning again"
-            self._tell(events, kind, sample, f"{track.filter.name} {text}")
-        track.aligned = state.aligned
+            self._tell(events, kind, sample, f"{run.filter.name} {text}")
+        run.aligned = state.aligned
 
-    def _judge_heading(self, track: Track, state: FilterState, sample: ImuSample, events: list[Event]) -> None:
-        """Keep ``track.north`` true: lost after a time without field, found when field and heading agree."""
-        if track.north == North.MAGNETIC:
+    def _judge_heading(self, run: FilterRun, state: FilterState, sample: ImuSample, events: list[Event]) -> None:
+        """Keep ``run.north`` true: lost after a time without field, found when field and heading agree."""
+        if run.north == North.MAGNETIC:
             if self._field.absent_s > HEADING_MEMORY_S:
-                track.north = North.RELATIVE
+                run.north = North.RELATIVE
                 self._tell(events, LaneEventKind.HEADING_LOST, sample, "no magnetometer: the heading drifts")
         elif sample.mag is not None and abs(field_heading(state.q_nb, sample.mag)) < HEADING_CAPTURE:
-            track.north = North.MAGNETIC
+            run.north = North.MAGNETIC
             self._tell(events, LaneEventKind.HEADING_FOUND, sample, "the heading is magnetic again")
 
     def _estimate(self, sample: ImuSample, step: TimeStep, events: list[Event]) -> None:
-        """Append every filter's estimate at this sample."""
+        """Append the filter's estimate at this sample."""
         delay_s = self._delay.delay_s(step.t_ns, sample.rx_ns)
-        declination = self.aiding.field.declination
-        for track in self._tracks:
-            state = track.state
-            runs = self._aligned or track.filter.aligns_itself
-            if state is not None and runs and state.aligned:
-                events.append(track.estimate(self.source, state, sample, step.t_ns, step.dt_s, delay_s, declination))
+        run, state = self._run, self._run.state
+        runs = self._aligned or run.filter.aligns_itself
+        if state is not None and runs and state.aligned:
+            declination = self._vehicle.field.declination
+            events.append(run.estimate(self.source, state, sample, step.t_ns, step.dt_s, delay_s, declination))
 
     def _tell(self, events: list[Event], kind: LaneEventKind, sample: ImuSample, text: str) -> None:
         events.append(LaneEvent(self.source, kind, sample.t_ns, sample.rx_ns, text))

@@ -1,8 +1,8 @@
 """The pipeline: samples in; estimates, lane events and verdicts out. It never waits and reads no clock.
 
 Live, replay and simulation drive the same object: ``handle`` for every sample, ``poll`` when ``next_deadline_ns``
-has come. Each inertial message is a lane of its own. The primary lane is the first of ``sources``, or where none are
-given the first message that arrives; it alone is published and compared with the autopilot, by its first filter.
+has come. Each inertial stream is a lane of its own. The primary lane is the first of ``sources``, or where none are
+given the first stream that arrives; it alone is published and compared with the autopilot.
 """
 
 from collections.abc import Sequence
@@ -12,10 +12,20 @@ from typing import Final
 
 from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.lane import Lane
-from attest_mav.estimation.vehicle import AidSettings
+from attest_mav.estimation.vehicle import AidSettings, Vehicle
 from attest_mav.estimation.verdict import Judge, VerdictSettings
-from attest_mav.filters.base import AttitudeFilter, VehicleFacts
-from attest_mav.types import AttitudeSample, EarthField, Estimate, ImuSample, ParameterSample, Sample
+from attest_mav.filters.base import AttitudeFilter
+from attest_mav.types import (
+    AttitudeForm,
+    AttitudeRole,
+    AttitudeSample,
+    EarthField,
+    Estimate,
+    ImuSample,
+    ParameterSample,
+    Sample,
+    VehicleSettings,
+)
 
 _NS: Final = 1_000_000_000
 
@@ -36,46 +46,42 @@ class PipelineSettings:
 class Pipeline:
     """One vehicle's samples to its estimates and verdict.
 
-    filters: run side by side on every lane; the first one is published. sources: names of the inertial messages to
-    use; empty takes the first that arrives. The caller passes samples of one vehicle only.
+    attitude_filter: runs on every lane. sources: names of the inertial streams to use; empty takes the first that
+    arrives. The caller passes samples of one vehicle only.
     """
 
     def __init__(
-        self, settings: PipelineSettings, filters: Sequence[AttitudeFilter], sources: Sequence[str] = ()
+        self, settings: PipelineSettings, attitude_filter: AttitudeFilter, sources: Sequence[str] = ()
     ) -> None:
         self.lanes: Final[dict[str, Lane]] = {}
+        self.vehicle: Final = Vehicle(settings.aids)
+        """What is known of the vehicle, shared by all lanes."""
         self.estimate: Estimate | None = None
-        """The newest estimate of the primary lane, None while there is none that holds. One that came too late to hold
-        is in the events of ``handle``, and not here."""
+        """Newest valid estimate of the primary lane, else None. Late ones are returned by ``handle`` but not kept."""
         self.verdict: Verdict | None = None
         """The newest verdict."""
-        self.facts = VehicleFacts()
-        """What the filters know of the vehicle's settings, unless they go their own way; see ``inform``."""
         self._settings = settings
-        self._filters = list(filters)
+        self._filter = attitude_filter
         self._sources = list(sources)
         self._judge = Judge(settings.verdict)
-        self._field = EarthField()
-        self._newest: dict[str, Sample] = {}
+        self._attitude_form = AttitudeForm.EULER
         self._attitude_source = ""
         self._attitude_rx_ns = -1
 
     @property
     def primary(self) -> str:
-        """Name of the primary lane's message, "" before one is known."""
+        """Name of the primary lane's stream, "" before one is known."""
         return self._sources[0] if self._sources else ""
 
     def set_field(self, field: EarthField) -> None:
         """From now on this is the field where the vehicle is: with its declination headings refer to true north."""
-        self._field = field
-        for lane in self.lanes.values():
-            lane.aiding.field = field
+        self.vehicle.field = field
 
-    def inform(self, facts: VehicleFacts) -> None:
-        """From now on these are the vehicle's settings, and all others what each filter assumes."""
-        self.facts = facts
+    def set_vehicle_settings(self, known: VehicleSettings) -> None:
+        """From now on these are the vehicle's settings; for all others the filter keeps its defaults."""
+        self.vehicle.settings = known
         for lane in self.lanes.values():
-            lane.inform(facts)
+            lane.use_vehicle_settings()
 
     def handle(self, sample: Sample) -> list[Event]:
         """Take one sample, in order of arrival; what follows from it, in order."""
@@ -83,13 +89,9 @@ class Pipeline:
             return self._handle_imu(sample)
         if isinstance(sample, AttitudeSample):
             return self._handle_attitude(sample)
+        self.vehicle.take(sample)
         if isinstance(sample, ParameterSample):
-            self.inform(self.facts.told(sample.setting, sample.value))
-            return []
-        # One GPS_RAW_INT gives a velocity and a position.
-        self._newest[type(sample).__name__ + sample.source] = sample
-        for lane in self.lanes.values():
-            lane.aiding.take(sample)
+            self.set_vehicle_settings(self.vehicle.settings)
         return []
 
     def poll(self, now_ns: int) -> list[Event]:
@@ -126,11 +128,7 @@ class Pipeline:
             return []
         lane = self.lanes.get(source)
         if lane is None:
-            lane = Lane(source, self._filters, self._settings.aids)
-            lane.aiding.field = self._field
-            lane.inform(self.facts)
-            for known in self._newest.values():
-                lane.aiding.take(known)
+            lane = Lane(source, self._filter, self.vehicle)
             self.lanes[source] = lane
         taken = lane.samples
         events = lane.handle(sample)
@@ -139,9 +137,9 @@ class Pipeline:
         return events
 
     def _follow_primary(self, events: list[Event]) -> None:
-        """Take over the first filter's new estimate; there is none while it aligns."""
+        """Take over the primary lane's new estimate; there is none while its filter aligns."""
         for event in events:
-            if isinstance(event, Estimate) and event.filter_name == self._filters[0].name:
+            if isinstance(event, Estimate):
                 if event.delay_s <= self._settings.stale_s:
                     self.estimate = event
                     self._judge.take_estimate(event)
@@ -150,12 +148,13 @@ class Pipeline:
         self._judge.forget_estimate()
 
     def _handle_attitude(self, sample: AttitudeSample) -> list[Event]:
-        """Judge the autopilot's attitude: ATTITUDE_QUATERNION where it arrives, else ATTITUDE."""
-        if sample.source == "ATTITUDE" and self._attitude_source == "ATTITUDE_QUATERNION":
-            if sample.rx_ns < self._reference_deadline_ns():
-                return []
-        elif sample.source not in ("ATTITUDE", "ATTITUDE_QUATERNION"):
+        """Judge the autopilot's attitude: as a quaternion where it is sent as one, else as Euler angles."""
+        if sample.role != AttitudeRole.AUTOPILOT:
             return []
+        preferred = sample.form >= self._attitude_form
+        if not preferred and sample.rx_ns < self._reference_deadline_ns():
+            return []
+        self._attitude_form = sample.form
         self._attitude_source = sample.source
         self._attitude_rx_ns = sample.rx_ns
         self.verdict = self._judge.judge(sample)

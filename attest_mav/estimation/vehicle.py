@@ -1,28 +1,29 @@
-"""What is known besides the inertial samples: speed, velocity, airspeed, and whether the vehicle stands.
+"""The vehicle as its messages describe it, held once for all lanes: kind, state, speeds, field and settings.
 
-The leveling filter needs a forward speed. Which message gives it is a setting; ``auto`` takes what suits the vehicle:
-airspeed for wings, groundspeed on ground and water, which go where they point; and for what can move sideways the GPS
-velocity resolved in the body. The flight filter takes the velocity itself, from GPS_RAW_INT unless told otherwise:
-GLOBAL_POSITION_INT comes out of the filter under judgement.
+The leveling filter needs a velocity in the body. Its source is a setting; ``auto`` takes what suits the vehicle:
+airspeed for wings, groundspeed on ground and water, which go where they point; and for what can move sideways the
+receiver's velocity resolved in the body. The flight filter takes the velocity itself, from the receiver unless told
+otherwise: GLOBAL_POSITION_INT comes out of the estimator under judgement, and so does VFR_HUD's groundspeed.
 """
 
 from dataclasses import dataclass
 from math import isfinite, nan, pi
 from typing import Final
 
-from attest_mav.algebra import rotate_back
-from attest_mav.estimation.stillness import Stillness
-from attest_mav.filters.base import Aids
+from attest_mav.algebra import norm, rotate_back
+from attest_mav.filters.base import Airspeed, BodyVelocity
 from attest_mav.types import (
     AirDataSample,
     EarthField,
     HeartbeatSample,
-    ImuSample,
     North,
+    ParameterSample,
     PositionSample,
     Quat,
     Sample,
-    Vec3,
+    VehicleKind,
+    VehicleSettings,
+    VelocityOrigin,
     VelocitySample,
 )
 
@@ -32,21 +33,23 @@ STALE_NS: Final = 2_000_000_000
 FAST: Final = 6.0
 """m/s: neither a hand nor the wind on a parked wing does this for long."""
 
-WINGS: Final = (1, 19, 20, 21, 22, 23, 24, 25)
-"""MAV_TYPE of aeroplanes and of the VTOL kinds."""
-SURFACE: Final = (10, 11)
-"""MAV_TYPE of ground rovers and surface boats."""
+STANDING_SPEED: Final = 0.5
+"""m/s: a vehicle that moves faster does not stand, however quiet its sensors: a plane in smooth cruise is as quiet as
+a desk."""
+
+RECEIVER: Final = "GPS_RAW_INT"
+"""The name under which users choose the receiver's own velocity, whichever message or log record carries it."""
 
 SPEED_SOURCES: Final = (
     "auto",
     "airspeed",
     "groundspeed",
-    "GPS_RAW_INT",
+    RECEIVER,
     "GLOBAL_POSITION_INT",
     "LOCAL_POSITION_NED",
     "none",
 )
-"""What ``AidSettings.forward_speed`` may be. airspeed and groundspeed are VFR_HUD's; the messages give a velocity."""
+"""Values of ``AidSettings.forward_speed``. airspeed and groundspeed are VFR_HUD's; the messages give a velocity."""
 
 
 @dataclass(frozen=True)
@@ -54,106 +57,123 @@ class AidSettings:
     """forward_speed: one of ``SPEED_SOURCES``. velocity: the message whose velocity the flight filter gets, or none."""
 
     forward_speed: str = "auto"
-    velocity: str = "GPS_RAW_INT"
+    velocity: str = RECEIVER
 
 
-class Aiding:
-    """One lane's view of everything that aids its filters. ``field`` is that where the vehicle is."""
+class MovingBody:
+    """A velocity in the body, m/s, and the sample that it was made of."""
+
+    def __init__(self, sample: Sample, velocity: BodyVelocity) -> None:
+        self.sample: Final = sample
+        self.velocity: Final = velocity
+
+
+class Vehicle:
+    """Everything that the vehicle's other messages tell the filters. Instants are the host's, ns."""
 
     def __init__(self, settings: AidSettings) -> None:
         self.field = EarthField()
+        """The Earth's field where the vehicle is."""
+        self.settings = VehicleSettings()
+        """The autopilot's settings as far as they are known."""
+        self.kind = VehicleKind.UNKNOWN
+        self.armed: bool | None = None
+        """None while the vehicle does not say. Armed, it may be under way, whatever else is known."""
+        self.latitude = nan
+        """rad, NaN while there was no position."""
         self._settings = settings
-        self._vehicle_type = 0
-        self._latitude = nan
         self._air: AirDataSample | None = None
-        self._air_given: AirDataSample | None = None
-        self._velocities: dict[str, VelocitySample] = {}
-        self._velocity_given: VelocitySample | None = None
-        self._speed_given: Sample | None = None
-        self._stillness = Stillness()
-        self._still = False
-
-    @property
-    def speed_source(self) -> str:
-        """The source of the forward speed in use: what ``auto`` stands for on this vehicle."""
-        if self._settings.forward_speed != "auto":
-            return self._settings.forward_speed
-        if self._vehicle_type in WINGS:
-            return "airspeed"
-        return "groundspeed" if self._vehicle_type in SURFACE else "GPS_RAW_INT"
-
-    @property
-    def stands(self) -> bool | None:
-        """What the vehicle says of itself, see ``Stillness.stands``."""
-        return self._stillness.stands
+        self._receiver: VelocitySample | None = None
+        self._estimated: dict[str, VelocitySample] = {}
+        self._speed = nan
 
     def take(self, sample: Sample) -> None:
-        """Remember a sample that is not inertial."""
-        self._stillness.take(sample)
+        """Remember a sample that is neither inertial nor an attitude."""
         if isinstance(sample, HeartbeatSample):
-            self._vehicle_type = sample.vehicle_type
+            self.kind, self.armed = sample.kind, sample.armed
         elif isinstance(sample, AirDataSample):
             self._air = sample
         elif isinstance(sample, VelocitySample):
-            self._velocities[sample.source] = sample
+            self._speed = norm(sample.v_ned)
+            if sample.origin == VelocityOrigin.RECEIVER:
+                self._receiver = sample
+            else:
+                self._estimated[sample.source] = sample
         elif isinstance(sample, PositionSample):
-            self._latitude = sample.latitude_deg * pi / 180.0
+            self.latitude = sample.latitude_deg * pi / 180.0
+        elif isinstance(sample, ParameterSample):
+            self.settings = self.settings.updated(sample.setting, sample.value)
 
-    def advance(self, sample: ImuSample, dt_s: float) -> None:
-        """Go on to the next inertial sample."""
-        self._still = self._stillness.still(sample, dt_s)
+    @property
+    def stands(self) -> bool | None:
+        """The vehicle's own word: True when it stands, False when it moves or may move, None when it says nothing."""
+        if isfinite(self._speed):
+            return self._speed <= STANDING_SPEED
+        return None if self.armed is None else not self.armed
 
-    def aids(self, sample: ImuSample, q_nb: Quat, north: North) -> Aids:
-        """The aids at this sample for a filter that holds this attitude."""
-        velocity = self._fresh_enough(self._velocities.get(self._settings.velocity), sample)
-        air = self._air if self._air is not None and sample.rx_ns - self._air.rx_ns <= STALE_NS else None
-        source, (forward, side, down) = self._body_velocity(air, sample, q_nb, north)
-        return Aids(
-            forward,
-            source is not None and isfinite(forward) and source is not self._speed_given,
-            self._still,
-            self._latitude,
-            self.field.declination,
-            velocity,
-            velocity is not None and velocity is not self._velocity_given,
-            air.airspeed if air is not None else nan,
-            air is not None and isfinite(air.airspeed) and air is not self._air_given,
-            side_speed=side,
-            down_speed=down,
-            inclination=self.field.inclination,
-            in_place=self._in_place(air),
-        )
+    @property
+    def goes_where_it_points(self) -> bool:
+        """True of a wing: through the air it moves along its nose."""
+        return self.kind == VehicleKind.WING
 
-    def _in_place(self, air: AirDataSample | None) -> bool:
+    @property
+    def speed_source(self) -> str:
+        """The source of the body velocity in use: on this vehicle ``auto`` stands for it."""
+        if self._settings.forward_speed != "auto":
+            return self._settings.forward_speed
+        if self.kind == VehicleKind.WING:
+            return "airspeed"
+        return "groundspeed" if self.kind == VehicleKind.SURFACE else RECEIVER
+
+    def velocity(self, now_ns: int) -> VelocitySample | None:
+        """The velocity for the flight filter, None while none is fresh."""
+        return self._velocity_from(self._settings.velocity, now_ns)
+
+    def airspeed(self, now_ns: int) -> Airspeed | None:
+        """The airspeed, None while none is fresh or known."""
+        air = self._air_data(now_ns)
+        if air is None or not isfinite(air.airspeed):
+            return None
+        return Airspeed(air.airspeed, air.airspeed_source)
+
+    def zero_mean_velocity(self, now_ns: int) -> bool:
         """False where the vehicle seems to be under way: it is armed, or says nothing of that and is fast."""
-        armed = self._stillness.armed
-        fast = air is not None and max(air.airspeed, air.groundspeed) > FAST
-        return not fast if armed is None else not armed
+        if self.armed is not None:
+            return not self.armed
+        air = self._air_data(now_ns)
+        return air is None or not max(air.airspeed, air.groundspeed) > FAST
 
-    def given(self) -> None:
-        """All filters of the lane have had this sample's aids: they are fresh no longer."""
-        self._air_given = self._air
-        self._velocity_given = self._velocities.get(self._settings.velocity)
-        source = self.speed_source
-        self._speed_given = self._air if source in ("airspeed", "groundspeed") else self._velocities.get(source)
-
-    def _body_velocity(
-        self, air: AirDataSample | None, sample: ImuSample, q_nb: Quat, north: North
-    ) -> tuple[Sample | None, Vec3]:
-        """The message behind the forward speed, and the velocity in the body, m/s; NaN where it is not known."""
+    def body_velocity(self, now_ns: int, q_nb: Quat, north: North) -> MovingBody | None:
+        """The velocity in the body for a filter that holds this attitude, None while none is fresh or known."""
         source = self.speed_source
         if source in ("airspeed", "groundspeed"):
-            if air is None:
-                return (None, (nan, nan, nan))
-            across = 0.0 if self._vehicle_type in WINGS or self._vehicle_type in SURFACE else nan
-            return (air, (air.airspeed if source == "airspeed" else air.groundspeed, across, across))
-        velocity = self._fresh_enough(self._velocities.get(source), sample)
+            return self._body_speed(source == "airspeed", now_ns)
+        velocity = self._velocity_from(source, now_ns)
         if velocity is None or north == North.RELATIVE:
-            return (None, (nan, nan, nan))
-        v_north, v_east, _ = velocity.v_ned
-        if velocity.vertical_known or air is None or not isfinite(air.climb):
-            return (velocity, rotate_back(q_nb, velocity.v_ned))
-        return (velocity, rotate_back(q_nb, (v_north, v_east, -air.climb)))
+            return None
+        air = self._air_data(now_ns)
+        v_ned = velocity.v_ned
+        if not velocity.vertical_known and air is not None and isfinite(air.climb):
+            v_ned = (v_ned[0], v_ned[1], -air.climb)
+        forward, side, down = rotate_back(q_nb, v_ned)
+        return MovingBody(velocity, BodyVelocity(forward, side, down))
 
-    def _fresh_enough(self, velocity: VelocitySample | None, sample: ImuSample) -> VelocitySample | None:
-        return velocity if velocity is not None and sample.rx_ns - velocity.rx_ns <= STALE_NS else None
+    def _body_speed(self, through_air: bool, now_ns: int) -> MovingBody | None:
+        """A speed along the nose; what can move sideways has no known motion across it."""
+        air = self._air_data(now_ns)
+        if air is None:
+            return None
+        speed = air.airspeed if through_air else air.groundspeed
+        if not isfinite(speed):
+            return None
+        known = self.kind in (VehicleKind.WING, VehicleKind.SURFACE)
+        return MovingBody(air, BodyVelocity(speed, lateral_known=known))
+
+    def _velocity_from(self, source: str, now_ns: int) -> VelocitySample | None:
+        """The newest velocity of a source, None while none is fresh."""
+        newest = self._receiver if source == RECEIVER else self._estimated.get(source)
+        return newest if newest is not None and now_ns - newest.rx_ns <= STALE_NS else None
+
+    def _air_data(self, now_ns: int) -> AirDataSample | None:
+        air = self._air
+        return air if air is not None and now_ns - air.rx_ns <= STALE_NS else None

@@ -7,7 +7,7 @@ import numpy as np
 
 from attest_mav.evaluation.motion import Array, Motion, to_body
 from attest_mav.evaluation.readings import samples_of
-from attest_mav.filters.base import Aids, AttitudeFilter, Start
+from attest_mav.filters.base import AttitudeFilter, FilterInputs, Start
 from attest_mav.types import ImuSample, North, Quat, Vec3
 
 NO_ERROR: Vec3 = (0.0, 0.0, 0.0)
@@ -42,7 +42,7 @@ def imu_samples(motion: Motion, field_ned: Vec3, errors: SensorErrors, rng: np.r
 def run_filter(chosen: AttitudeFilter, start: Quat, samples: Sequence[ImuSample], dt_s: float) -> Array:
     """Attitudes after each sample, shape (n, 4), from a known start without bias correction."""
     state = chosen.initial(Start(start, NO_ERROR, North.TRUE, samples[0].accel, samples[0].mag))
-    aids = Aids()
+    aids = FilterInputs()
     attitudes = []
     for sample in samples:
         state = chosen.step(state, dt_s, sample, aids)

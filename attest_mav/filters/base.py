@@ -5,13 +5,12 @@ one filter. No filter reads a clock: ``dt_s`` is the time since the previous sam
 """
 
 from abc import abstractmethod
-from dataclasses import dataclass
 from math import nan
 from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.types import ImuSample, North, Quat, Setting, Vec3, VelocitySample
+from attest_mav.types import AirspeedSource, ImuSample, North, Quat, Vec3, VehicleSettings, VelocitySample
 
 MAX_CORRECTION_DT_S: Final = 0.05
 """A correction after a gap counts for at most this long, s: the reading is one reading however long the gap was."""
@@ -36,68 +35,66 @@ class Start:
         self.at_rest: Final = at_rest
 
 
-class Aids:
-    """What is known besides the inertial sample, at the time of the sample. NaN means not known.
+class BodyVelocity:
+    """Velocity in the body at one instant, m/s.
 
-    forward_speed: along the nose, m/s, with ``forward_speed_fresh`` True only on the sample that first carries a new
-    value. stationary: the vehicle stands still. latitude: rad. declination: rad, east positive. velocity: the newest
-    one over ground, None while none is fresh enough, with ``velocity_fresh`` as above. airspeed: m/s. heading: from
-    another source than the magnetometer, rad from the filter's north; finite only on the samples that carry one.
-    side_speed, down_speed: along the body's y and z at the instant of forward_speed, m/s; 0 for a vehicle that goes
-    where it points, NaN for one that does not and whose sideways motion is not known. inclination: of the Earth's field
-    below the horizontal, rad. in_place: nothing says that the vehicle is under way: what moves is carried or turned by
-    hand, and stays where it is on average.
+    forward: along the nose. side, down: along the body's y and z, 0 by assumption for a vehicle that goes where it
+    points. lateral_known: False where the vehicle can move sideways and how fast is not known. is_new: True only on
+    the sample that first carries this velocity.
+    """
+
+    def __init__(
+        self, forward: float, side: float = 0.0, down: float = 0.0, lateral_known: bool = True, is_new: bool = True
+    ) -> None:
+        self.forward: Final = forward
+        self.side: Final = side
+        self.down: Final = down
+        self.lateral_known: Final = lateral_known
+        self.is_new: Final = is_new
+
+
+class Airspeed:
+    """Speed through the air, m/s, and where it comes from."""
+
+    def __init__(self, speed: float, source: AirspeedSource) -> None:
+        self.speed: Final = speed
+        self.source: Final = source
+
+
+class FilterInputs:
+    """What is known besides the inertial sample, at the time of the sample.
+
+    body_velocity: for filters that level themselves by it; its source is a setting. stationary: the vehicle stands
+    still. latitude: rad; declination: rad, east positive; inclination: of the Earth's field below the horizontal, rad;
+    each NaN where it is not known. velocity: the newest one over ground, None while none is fresh enough. heading: from
+    another source than the magnetometer, rad from the filter's north, on the samples that carry one. airspeed: None
+    while none is fresh. goes_where_it_points: through the air the vehicle moves along its nose (a wing).
+    zero_mean_velocity: nothing says that the vehicle is under way, so its velocity may be assumed to average to zero.
     """
 
     def __init__(
         self,
-        forward_speed: float = nan,
-        forward_speed_fresh: bool = False,
+        body_velocity: BodyVelocity | None = None,
         stationary: bool = False,
         latitude: float = nan,
         declination: float = nan,
         velocity: VelocitySample | None = None,
-        velocity_fresh: bool = False,
-        airspeed: float = nan,
-        airspeed_fresh: bool = False,
-        heading: float = nan,
-        side_speed: float = 0.0,
-        down_speed: float = 0.0,
+        heading: float | None = None,
         inclination: float = nan,
-        in_place: bool = True,
+        airspeed: Airspeed | None = None,
+        goes_where_it_points: bool = False,
+        zero_mean_velocity: bool = True,
     ) -> None:
-        self.forward_speed: Final = forward_speed
-        self.forward_speed_fresh: Final = forward_speed_fresh
+        self.body_velocity: Final = body_velocity
         self.stationary: Final = stationary
         self.latitude: Final = latitude
         self.declination: Final = declination
         self.velocity: Final = velocity
-        self.velocity_fresh: Final = velocity_fresh
-        self.airspeed: Final = airspeed
-        self.airspeed_fresh: Final = airspeed_fresh
         self.heading: Final = heading
-        self.side_speed: Final = side_speed
-        self.down_speed: Final = down_speed
         self.inclination: Final = inclination
-        self.in_place: Final = in_place
-
-
-@dataclass(frozen=True)
-class VehicleFacts:
-    """What is known of the vehicle's settings (``Setting``), each NaN while it is not."""
-
-    low_pass_hz: float = nan
-    fix_delay_s: float = nan
-
-    def of(self, setting: Setting) -> float:
-        """The value of one setting."""
-        return self.low_pass_hz if setting == Setting.LOW_PASS_HZ else self.fix_delay_s
-
-    def told(self, setting: Setting, value: float) -> "VehicleFacts":
-        """The facts with one setting as it was told last; NaN takes back what was told before."""
-        if setting == Setting.LOW_PASS_HZ:
-            return VehicleFacts(value, self.fix_delay_s)
-        return VehicleFacts(self.low_pass_hz, value)
+        self.airspeed: Final = airspeed
+        self.goes_where_it_points: Final = goes_where_it_points
+        self.zero_mean_velocity: Final = zero_mean_velocity
 
 
 @mypyc_attr(acyclic=True)  # floats and flags form no cycles; compiled, a state is made faster without the collector
@@ -169,16 +166,16 @@ class AttitudeFilter:
 
     @property
     def aligns_itself(self) -> bool:
-        """True for a filter that takes any sample for a start, and steps of more than a second: it aligns by itself."""
+        """True if the filter does its own alignment: it can start from any sample and accepts steps longer than 1 s."""
         return False
 
     @property
-    def assumed(self) -> VehicleFacts:
-        """What it takes the vehicle's settings to be while nobody tells it; NaN where it does not want to be told."""
-        return VehicleFacts()
+    def default_settings(self) -> VehicleSettings:
+        """The vehicle's settings that the filter uses while they are not known; NaN for those it does not ask for."""
+        return VehicleSettings()
 
-    def informed(self, facts: VehicleFacts) -> "AttitudeFilter":
-        """The filter with these facts in place of what it assumes; states of the one go on in the other."""
+    def with_vehicle_settings(self, known: VehicleSettings) -> "AttitudeFilter":
+        """The filter with the known settings in place of its defaults; states of the one go on in the other."""
         return self
 
     @abstractmethod
@@ -186,7 +183,7 @@ class AttitudeFilter:
         """The state right after alignment."""
 
     @abstractmethod
-    def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: Aids) -> FilterState:
+    def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: FilterInputs) -> FilterState:
         """The state ``dt_s`` seconds later, 0 < dt_s <= 1, given the sample taken then.
 
         Never raises on bad readings: a sensor that is missing, not finite or out of its gate is not used, and the

@@ -13,7 +13,7 @@ from typing import Final
 
 from attest_mav.earth_field import LocalField, field_at, simulated_field_at
 from attest_mav.errors import UnreadableDataError
-from attest_mav.filters.base import AttitudeFilter, VehicleFacts
+from attest_mav.filters.base import AttitudeFilter
 from attest_mav.logs.detect import EXPECTED
 from attest_mav.logs.tlog.annotate import ByteSink, Weaver
 from attest_mav.logs.tlog.reader import TlogReader, read_windows
@@ -25,7 +25,7 @@ from attest_mav.replay.comparison import RowSink
 from attest_mav.replay.facts import fact_notes, facts_of
 from attest_mav.replay.flight import Flight, Window
 from attest_mav.replay.plan import Plan, in_simulator, make_plan, suitable_filter
-from attest_mav.types import EarthField, PositionSample, Sample
+from attest_mav.types import EarthField, PositionSample, Sample, VehicleSettings
 
 OUR_COMPONENT: Final = 193
 """The component id of woven messages, the daemon's default."""
@@ -91,7 +91,7 @@ def replay(buffer: mmap | bytes, dialect: Dialect, request: Request, outputs: Ou
     facts = _facts(survey, plan)
     flight = Flight(
         plan,
-        [one.informed(facts) for one in filters],
+        [one.with_vehicle_settings(facts) for one in filters],
         EarthField() if earth_field is None else earth_field.direction,
         request.window,
         outputs.rows,
@@ -116,7 +116,7 @@ class Recording:
 
     plan: Plan
     earth_field: LocalField | None
-    facts: VehicleFacts
+    facts: VehicleSettings
     samples: list[Sample]
 
 
@@ -166,7 +166,7 @@ def _field_at(position: PositionSample, simulated: bool) -> LocalField:
     return found or field_at(*place, position.altitude_m, unix_s=position.rx_ns * 1e-9)
 
 
-def _facts(survey: Survey, plan: Plan) -> VehicleFacts:
+def _facts(survey: Survey, plan: Plan) -> VehicleSettings:
     """What the log tells of the vehicle's settings."""
     return facts_of(survey.autopilot(plan.sender), survey.told(plan.sender))
 

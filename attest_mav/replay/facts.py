@@ -3,17 +3,17 @@
 from collections.abc import Iterable
 from math import isfinite
 
-from attest_mav.filters.base import AttitudeFilter, VehicleFacts
+from attest_mav.filters.base import AttitudeFilter
 from attest_mav.mavlink.decode.autopilot_parameters import facts_of_firmware, quantity, with_unit
 from attest_mav.mavlink.decode.units import INVALID
-from attest_mav.types import ParameterSample
+from attest_mav.types import ParameterSample, VehicleSettings
 
 
-def facts_of(autopilot: int | None, told: Iterable[ParameterSample]) -> VehicleFacts:
+def facts_of(autopilot: int | None, told: Iterable[ParameterSample]) -> VehicleSettings:
     """The facts of one vehicle: its MAV_AUTOPILOT, None where no heartbeat tells, and its parameters."""
     facts = facts_of_firmware(INVALID if autopilot is None else autopilot)
     for sample in told:
-        facts = facts.told(sample.setting, sample.value)
+        facts = facts.updated(sample.setting, sample.value)
     return facts
 
 
@@ -22,7 +22,7 @@ def fact_notes(told: Iterable[ParameterSample], filters: Iterable[AttitudeFilter
     notes = []
     for sample in told:
         for one in filters:
-            assumed = one.assumed.of(sample.setting)
+            assumed = one.default_settings.get(sample.setting)
             if isfinite(assumed) and isfinite(sample.value) and sample.value != assumed:
                 value, instead = with_unit(sample.setting, sample.value), with_unit(sample.setting, assumed)
                 notes.append(

@@ -36,7 +36,7 @@ class Run:
 
     def __init__(self, one: AttitudeFilter, imu: str, field: EarthField, comparison: Comparison) -> None:
         self.comparison: Final = comparison
-        self.pipeline: Final = Pipeline(PipelineSettings(), [one], [imu])
+        self.pipeline: Final = Pipeline(PipelineSettings(), one, [imu])
         self.pipeline.set_field(field)
         self.aligned_s = inf
         """Log time of the first estimate."""

@@ -28,7 +28,7 @@ def companion_settings(config: Config) -> CompanionSettings:
         attitude_hz=streams.attitude_hz,
         aiding_hz=streams.aiding_hz,
         positions=tuple(name for name in POSITION_MESSAGES if name in used),
-        assumed=config.filter.build().assumed,
+        default_settings=config.filter.build().default_settings,
     )
     output = config.output
     return CompanionSettings(config.vehicle.system_id, output.system_id, output.component_id, output.rate_hz, data)

@@ -11,7 +11,6 @@ from math import degrees, isfinite, nan, radians
 from attest_mav.config.records import Config
 from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.pipeline import Pipeline
-from attest_mav.filters.base import VehicleFacts
 from attest_mav.mavlink.component.companion import ACTIVE, BOOT, CALIBRATING, CRITICAL, Companion
 from attest_mav.mavlink.decode.autopilot_parameters import facts_of_firmware
 from attest_mav.mavlink.decode.decoder import Decoder, of_message
@@ -19,7 +18,16 @@ from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.framer import Framer
 from attest_mav.service.assembly import companion_settings, port_settings
 from attest_mav.service.status import verdict_text
-from attest_mav.types import EarthField, Estimate, HeartbeatSample, ImuSample, ParameterSample, PositionSample, Sample
+from attest_mav.types import (
+    EarthField,
+    Estimate,
+    HeartbeatSample,
+    ImuSample,
+    ParameterSample,
+    PositionSample,
+    Sample,
+    VehicleSettings,
+)
 
 log = logging.getLogger("attest_mav.service")
 
@@ -58,7 +66,7 @@ class Service:
         self._sample_ns = now_ns - 10 * self._stale_ns
         self._sender = self.companion.sender
         self._heartbeat: HeartbeatSample | None = None
-        self._facts = VehicleFacts()
+        self._facts = VehicleSettings()
         self._told: dict[str, str] = {}
         self._agreement: Agreement | None = None
         self._next_report_ns = now_ns + REPORT_NS
@@ -135,7 +143,7 @@ class Service:
         elif isinstance(sample, PositionSample):
             self._look_field_up(sample)
         elif isinstance(sample, ParameterSample):
-            self._facts = self._facts.told(sample.setting, sample.value)
+            self._facts = self._facts.updated(sample.setting, sample.value)
             self.companion.parameter_taken(sample)
             self.due_ns = now_ns  # there may be a note of it
         if self.pipeline is not None:
@@ -152,8 +160,8 @@ class Service:
 
     def _begin_pipeline(self, source: str) -> None:
         config = self.config
-        self.pipeline = Pipeline(config.pipeline_settings(), [config.filter.build()], [source])
-        self.pipeline.inform(self._facts)
+        self.pipeline = Pipeline(config.pipeline_settings(), config.filter.build(), [source])
+        self.pipeline.set_vehicle_settings(self._facts)
         self.pipeline.set_field(self._field)
         if self._heartbeat is not None:
             self.pipeline.handle(self._heartbeat)  # whether it is armed counts from the first sample on

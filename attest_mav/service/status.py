@@ -119,7 +119,7 @@ def _pipeline_texts(service: "Service", estimate: Estimate) -> list[str]:
     lane = pipeline.lanes[estimate.lane]
     texts = [filter_text(estimate, lane.rests_on)]
     if estimate.filter_name == "leveling":
-        texts.append(f"speed from {lane.aiding.speed_source}")
+        texts.append(f"speed from {pipeline.vehicle.speed_source}")
     if pipeline.verdict is not None:
         texts.append(verdict_text(pipeline.verdict))
     return texts

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from attest_mav.config.records import Config, LinkConfig, parse_config
 from attest_mav.config.text import to_toml
 from attest_mav.errors import ConfigError
-from attest_mav.filters.base import VehicleFacts
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.registry import default_filter, filter_names
+from attest_mav.types import VehicleSettings
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 
@@ -189,16 +189,16 @@ def test_what_the_flight_filter_must_know_reaches_it(key):
 @pytest.mark.parametrize(
     ("lines", "asked_for"),
     [
-        ("", VehicleFacts(20.0, 0.1)),
-        ("low_pass_hz = 'auto'\nfix_delay_s = 'auto'", VehicleFacts(20.0, 0.1)),
-        ("low_pass_hz = 33", VehicleFacts(nan, 0.1)),
-        ("fix_delay_s = 0", VehicleFacts(20.0, nan)),
+        ("", VehicleSettings(20.0, 0.1)),
+        ("low_pass_hz = 'auto'\nfix_delay_s = 'auto'", VehicleSettings(20.0, 0.1)),
+        ("low_pass_hz = 33", VehicleSettings(nan, 0.1)),
+        ("fix_delay_s = 0", VehicleSettings(20.0, nan)),
     ],
 )
 def test_a_number_is_not_asked_of_the_autopilot_and_holds_against_it(lines, asked_for):
     built = parse_config(f"[filter]\nname = 'velocity-aided'\n[filter.velocity-aided]\n{lines}", "x").filter.build()
-    assert repr(built.assumed) == repr(asked_for)  # NaN equals nothing, but is written like itself
-    told = built.informed(VehicleFacts(77.0, 0.5)).parameters
+    assert repr(built.default_settings) == repr(asked_for)  # NaN equals nothing, but is written like itself
+    told = built.with_vehicle_settings(VehicleSettings(77.0, 0.5)).parameters
     assert told.low_pass_hz == (33.0 if "33" in lines else 77.0)
     assert told.fix_delay_s == (0.0 if "= 0" in lines else 0.5)
 

@@ -5,7 +5,7 @@ from math import cos, sin
 
 import pytest
 
-from attest_mav.types import G_MPS2, AttitudeSample, ImuSample, Quat, Vec3
+from attest_mav.types import G_MPS2, AttitudeForm, AttitudeRole, AttitudeSample, ImuSample, Quat, Vec3
 
 MakeImu = Callable[..., ImuSample]
 MakeAttitude = Callable[..., AttitudeSample]
@@ -46,6 +46,7 @@ def attitude() -> MakeAttitude:
 
     def make(t_s: float, q_nb: Quat, source: str = "ATTITUDE") -> AttitudeSample:
         t_ns = round(t_s * 1e9)
-        return AttitudeSample(source, 1, 1, t_ns, t_ns, q_nb, (0.0, 0.0, 0.0))
+        form = AttitudeForm.QUATERNION if source == "ATTITUDE_QUATERNION" else AttitudeForm.EULER
+        return AttitudeSample(source, 1, 1, t_ns, t_ns, q_nb, (0.0, 0.0, 0.0), AttitudeRole.AUTOPILOT, form)
 
     return make

@@ -11,10 +11,9 @@ import pytest
 from attest_mav.algebra import heading_between
 from attest_mav.estimation.events import LaneEvent
 from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
-from attest_mav.filters.base import VehicleFacts
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.types import Estimate, ParameterSample, Setting
+from attest_mav.types import Estimate, ParameterSample, Setting, VehicleSettings
 
 DT = 0.02
 RATE = 0.5
@@ -24,7 +23,7 @@ DELAY_20_HZ = sqrt(2.0) / (2.0 * pi * 20.0)
 
 
 def pipeline(one=None):
-    return Pipeline(PipelineSettings(), [one or VelocityAided()])
+    return Pipeline(PipelineSettings(), one or VelocityAided())
 
 
 def turn(imu, one, start, stop):
@@ -76,7 +75,7 @@ def test_what_is_taken_back_is_assumed_again(imu):
 def test_a_lane_that_is_made_later_knows_it_too(imu):
     early, given, untold = pipeline(), pipeline(), pipeline()
     early.handle(low_pass(10.0))
-    given.inform(VehicleFacts(low_pass_hz=10.0))
+    given.set_vehicle_settings(VehicleSettings(low_pass_hz=10.0))
     for one in (early, given, untold):
         turn(imu, one, 0.0, 3.0)
     assert ahead(early, untold) == pytest.approx(DELAY_20_HZ, rel=0.02)
@@ -85,7 +84,7 @@ def test_a_lane_that_is_made_later_knows_it_too(imu):
 
 def test_a_number_of_the_users_holds_against_the_autopilot(imu):
     fixed = pipeline(VelocityAided(FlightParameters(low_pass_hz=20.0), low_pass_open=False))
-    assert isnan(VelocityAided(low_pass_open=False).assumed.low_pass_hz)
+    assert isnan(VelocityAided(low_pass_open=False).default_settings.low_pass_hz)
     untold = pipeline()
     fixed.handle(low_pass(10.0))
     for one in (fixed, untold):

@@ -16,7 +16,7 @@ DT = 0.02
 
 @pytest.fixture
 def pipeline():
-    return Pipeline(PipelineSettings(), [GradientDescent()])
+    return Pipeline(PipelineSettings(), GradientDescent())
 
 
 def run(pipeline, samples):
@@ -66,7 +66,7 @@ def test_repeats_and_late_samples_are_counted_and_dropped(pipeline, imu):
     noisy = [copy for sample in samples for copy in (sample, sample)]
     noisy.append(imu(0.5))
     assert len(estimates(run(pipeline, noisy))) == len(
-        estimates(run(Pipeline(PipelineSettings(), [GradientDescent()]), samples))
+        estimates(run(Pipeline(PipelineSettings(), GradientDescent()), samples))
     )
     lane = pipeline.lanes["RAW_IMU"]
     assert (lane.repeats, lane.late, lane.samples) == (50, 1, 50)
@@ -155,7 +155,7 @@ def test_a_frozen_sensor_is_found_and_released(pipeline, imu):
 
 def test_after_a_frozen_sensor_a_filter_that_aligns_itself_begins_anew(imu):
     """What it had before is as old as the freeze was long, however certain it was."""
-    pipeline = Pipeline(PipelineSettings(), [VelocityAided()])
+    pipeline = Pipeline(PipelineSettings(), VelocityAided())
     run(pipeline, still(imu, 0.0, 3.0))
     run(pipeline, still(imu, 3.0, 8.0, rate=0.3))
     free = run(pipeline, still(imu, 8.0, 10.0, yaw=radians(80.0)))
@@ -185,7 +185,7 @@ def test_a_magnetometer_that_hangs_while_the_vehicle_turns_is_not_believed(pipel
 
 
 def test_only_the_primary_lane_is_published(imu):
-    pipeline = Pipeline(PipelineSettings(), [GradientDescent()], ["RAW_IMU", "SCALED_IMU2"])
+    pipeline = Pipeline(PipelineSettings(), GradientDescent(), ["RAW_IMU", "SCALED_IMU2"])
     both = [
         s
         for k in range(100)
@@ -236,9 +236,9 @@ def test_heading_is_judged_only_from_the_same_north(imu, attitude):
     def turned(_):
         return q_from_euler(0.0, 0.0, radians(30.0))
 
-    unknown = Pipeline(PipelineSettings(), [GradientDescent()])
+    unknown = Pipeline(PipelineSettings(), GradientDescent())
     assert verdicts(run(unknown, interleave(imu, attitude, 0.0, 4.0, turned)))[-1].agreement == Agreement.AGREE
-    known = Pipeline(PipelineSettings(), [GradientDescent()])
+    known = Pipeline(PipelineSettings(), GradientDescent())
     known.set_field(EarthField(0.0))
     last = verdicts(run(known, interleave(imu, attitude, 0.0, 4.0, turned)))[-1]
     assert (last.agreement, last.reason) == (Agreement.DISAGREE, "heading")
@@ -273,17 +273,10 @@ def test_a_reference_that_stops_leaves_no_verdict(pipeline, imu, attitude):
 
 def test_a_split_run_equals_a_whole_one(imu):
     samples = [imu(k * DT, yaw=0.01 * k, rate=0.5, accel=(0.3, 0.1 * (k % 3), -G_MPS2)) for k in range(200)]
-    whole = estimates(run(Pipeline(PipelineSettings(), [GradientDescent()]), samples))
-    parts = Pipeline(PipelineSettings(), [GradientDescent()])
+    whole = estimates(run(Pipeline(PipelineSettings(), GradientDescent()), samples))
+    parts = Pipeline(PipelineSettings(), GradientDescent())
     split = estimates(run(parts, samples[:77])) + estimates(run(parts, samples[77:]))
     assert [e.q_nb for e in whole] == [e.q_nb for e in split]
-
-
-def test_a_test_filter_beside_another_changes_nothing(imu):
-    samples = [imu(k * DT, yaw=0.01 * k, rate=0.5) for k in range(200)]
-    alone = estimates(run(Pipeline(PipelineSettings(), [GradientDescent()]), samples))
-    beside = estimates(run(Pipeline(PipelineSettings(), [GradientDescent(), GradientDescent(beta=0.5)]), samples))
-    assert [e.q_nb for e in beside[::2]] == [e.q_nb for e in alone]
 
 
 def test_a_backlog_leads_to_estimates_that_do_not_hold(pipeline, imu):

@@ -7,7 +7,7 @@ import pytest
 from attest_mav.algebra import q_from_euler
 from attest_mav.estimation.events import Agreement
 from attest_mav.estimation.verdict import Judge, VerdictSettings
-from attest_mav.types import AttitudeSample, Estimate, North
+from attest_mav.types import AttitudeRole, AttitudeSample, Estimate, North
 
 LEVEL = (1.0, 0.0, 0.0, 0.0)
 STILL = (0.0, 0.0, 0.0)
@@ -24,7 +24,9 @@ def agreement(roll_deg, yaw_deg, sigma_deg, aided):
         judge.take_estimate(
             Estimate("RAW_IMU", "any", t_ns, t_ns, LEVEL, STILL, North.TRUE, sigma, sigma, 0.1, aided=aided)
         )
-        said = judge.judge(AttitudeSample("ATTITUDE", 1, 1, t_ns, t_ns, theirs, STILL)).agreement
+        said = judge.judge(
+            AttitudeSample("ATTITUDE", 1, 1, t_ns, t_ns, theirs, STILL, AttitudeRole.AUTOPILOT)
+        ).agreement
     return said
 
 

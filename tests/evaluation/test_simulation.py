@@ -6,7 +6,7 @@ import pytest
 from attest_mav.evaluation.attitude_error import accuracy, error_vectors
 from attest_mav.evaluation.motion import euler_to_quaternion, motion, multiply, times
 from attest_mav.evaluation.simulation import SensorErrors, imu_samples, run_filter
-from attest_mav.filters.base import Aids, Start
+from attest_mav.filters.base import FilterInputs, Start
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.types import G_MPS2, North
 
@@ -52,7 +52,7 @@ def test_a_run_is_the_filters_steps():
     chosen = GradientDescent()
     state = chosen.initial(Start(STILL.start, (0.0, 0.0, 0.0), North.TRUE, (0.0, 0.0, -G_MPS2), None))
     for sample in samples:
-        state = chosen.step(state, 0.01, sample, Aids())
+        state = chosen.step(state, 0.01, sample, FilterInputs())
     assert tuple(run_filter(chosen, STILL.start, samples, 0.01)[-1].tolist()) == state.q_nb
 
 

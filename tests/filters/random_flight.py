@@ -10,13 +10,15 @@ import sys
 
 from attest_mav import algebra
 from attest_mav.algebra import q_exp, q_heading, q_mul, q_unit, rotate_back
-from attest_mav.filters.base import Aids, Start
+from attest_mav.filters.base import Airspeed, BodyVelocity, FilterInputs, Start
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.registry import default_filter
-from attest_mav.types import ImuSample, North, VelocitySample
+from attest_mav.types import AirspeedSource, ImuSample, North, VelocityOrigin, VelocitySample
 
 STEPS = 100_000
 EVERY = 100
+
+RECEIVER = VelocityOrigin.RECEIVER
 
 
 def attitudes(name, seed):
@@ -34,7 +36,9 @@ def attitudes(name, seed):
         t_ns += round(dt_s * 1e9)
         if rng.random() < 0.1:
             v_ned = (speed + rng.gauss(0.0, 0.1), rng.gauss(0.0, 1.0), 0.0)
-            fix = VelocitySample("GPS_RAW_INT", 1, 1, t_ns, t_ns, v_ned, False) if rng.random() < 0.9 else None
+            fix = (
+                VelocitySample("GPS_RAW_INT", 1, 1, t_ns, t_ns, v_ned, False, RECEIVER) if rng.random() < 0.9 else None
+            )
         rate = tuple(0.98 * w + rng.gauss(0.0, 0.1) for w in rate)
         speed = 0.999 * speed + rng.gauss(0.01, 0.1)
         truth = q_unit(q_mul(truth, q_exp(tuple(0.5 * dt_s * w for w in rate))))
@@ -50,9 +54,19 @@ def attitudes(name, seed):
 
 
 def _aids(rng, speed, fix):
-    heading = rng.gauss(0.0, 1.0) if rng.random() < 0.01 else math.nan
+    heading = rng.gauss(0.0, 1.0) if rng.random() < 0.01 else None
     speed = math.nan if rng.random() < 0.1 else speed
-    return Aids(speed, rng.random() < 0.3, rng.random() < 0.05, 0.6, 0.1, fix, heading=heading, inclination=1.1)
+    return FilterInputs(
+        BodyVelocity(speed, is_new=rng.random() < 0.3),
+        rng.random() < 0.05,
+        0.6,
+        0.1,
+        fix,
+        heading=heading,
+        inclination=1.1,
+        airspeed=Airspeed(speed, AirspeedSource.SENSOR),
+        goes_where_it_points=True,
+    )
 
 
 if __name__ == "__main__":

@@ -3,13 +3,13 @@ import random
 import pytest
 
 from attest_mav.replay.stamping import BurstStamp
-from attest_mav.types import NO_TIME, AttitudeSample
+from attest_mav.types import NO_TIME, AttitudeRole, AttitudeSample
 
 MS = 1_000_000
 
 
 def untimed(rx_ms):
-    return AttitudeSample("SIM_STATE", 1, 1, NO_TIME, round(rx_ms * MS), (1.0, 0.0, 0.0, 0.0), None)
+    return AttitudeSample("SIM_STATE", 1, 1, NO_TIME, round(rx_ms * MS), (1.0, 0.0, 0.0, 0.0), None, AttitudeRole.TRUTH)
 
 
 def stamps(events):

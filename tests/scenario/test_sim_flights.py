@@ -65,7 +65,7 @@ def fly(until_s, filter_name="gradient-descent", **choices):
     vehicle = FakeAutopilot(settings, 1, dialect)
     decoder = Decoder(dialect)
     framer = Framer(dialect, decoder.wanted)
-    pipeline = Pipeline(PipelineSettings(), [default_filter(filter_name)], [SOURCES[settings.personality]])
+    pipeline = Pipeline(PipelineSettings(), default_filter(filter_name), [SOURCES[settings.personality]])
     pipeline.set_field(EarthField(radians(settings.earth.declination_deg), radians(settings.earth.inclination_deg)))
     flight = Flight(vehicle)
     now_ns = 0

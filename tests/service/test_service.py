@@ -288,7 +288,7 @@ def parameter(f, value, sender=(1, 1)):
 
 def low_pass_hz(f):
     """What the filters have been told."""
-    return f.service.pipeline.facts.low_pass_hz
+    return f.service.pipeline.vehicle.settings.low_pass_hz
 
 
 def test_headings_are_true_once_the_position_is_known(flight):

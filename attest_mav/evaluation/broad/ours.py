@@ -13,7 +13,7 @@ from attest_mav.algebra import scale
 from attest_mav.estimation.alignment import ecompass
 from attest_mav.evaluation.broad.trial import Trial
 from attest_mav.evaluation.motion import Array, multiply
-from attest_mav.filters.base import Aids, AttitudeFilter, Start
+from attest_mav.filters.base import AttitudeFilter, FilterInputs, Start
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
@@ -52,7 +52,7 @@ def attitudes(chosen: AttitudeFilter, trial: Trial, with_mag: bool) -> Array:
     """Attitude after each sample, sensor to ENU, shape (n, 4); before a filter is aligned, what it shows."""
     samples = imu_samples(trial, with_mag)
     state = chosen.initial(start(trial, with_mag))
-    aids = Aids(declination=0.0)
+    aids = FilterInputs(declination=0.0)
     dt_s = 1.0 / trial.rate_hz
     rows = np.empty((len(trial.gyr), 4))
     rows[0] = state.q_nb

@@ -154,7 +154,7 @@ def fly(recording: Recording, samples: Sequence[Sample], one: AttitudeFilter, wi
     log = ErrorLog()
     flight = Flight(
         recording.plan,
-        [one.informed(recording.facts)],
+        [one.with_vehicle_settings(recording.facts)],
         EarthField() if field is None else field.direction,
         window,
         rows=log,

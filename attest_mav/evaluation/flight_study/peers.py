@@ -18,7 +18,7 @@ from attest_mav.evaluation.flight_study.flights import rate_hz
 from attest_mav.evaluation.flight_study.flying import Chosen, Errors, fly, recorded
 from attest_mav.replay.engine import Recording
 from attest_mav.replay.flight import Window
-from attest_mav.types import G_MPS2, AttitudeSample, ImuSample, Quat, Sample
+from attest_mav.types import G_MPS2, AttitudeForm, AttitudeRole, AttitudeSample, ImuSample, Quat, Sample
 
 PEERS: Final = ("vqf", "imufusion")
 CARRIER: Final = "ATTITUDE_QUATERNION"
@@ -53,7 +53,19 @@ def with_peer(recording: Recording, step: Step) -> list[Sample]:
         if isinstance(sample, ImuSample) and sample.source == recording.plan.imu and sample.t_ns != last_ns:
             last_ns = sample.t_ns
             q_nb = q_mul(turn, step(sample))
-            out.append(AttitudeSample(CARRIER, sample.system, sample.component, sample.t_ns, sample.rx_ns, q_nb, None))
+            out.append(
+                AttitudeSample(
+                    CARRIER,
+                    sample.system,
+                    sample.component,
+                    sample.t_ns,
+                    sample.rx_ns,
+                    q_nb,
+                    None,
+                    AttitudeRole.AUTOPILOT,
+                    AttitudeForm.QUATERNION,
+                )
+            )
     return out
 
 

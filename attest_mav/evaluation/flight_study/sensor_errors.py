@@ -142,6 +142,7 @@ class _Receiver:
             sample.rx_ns + late_ns,
             (north, east, down),
             sample.vertical_known,
+            sample.origin,
         )
 
     def delayed(self, sample: PositionSample) -> PositionSample:

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from attest_mav.evaluation.motion import Array
-from attest_mav.filters.base import Aids, Start
+from attest_mav.filters.base import FilterInputs, Start
 from attest_mav.filters.gradient_descent.filter import FixedField, GradientDescent
 from attest_mav.filters.gradient_descent.gradients import full_gradient, gravity_gradient
 from attest_mav.types import G_MPS2, ImuSample, North, Quat, Vec3
@@ -92,7 +92,7 @@ def identity_gap(rng: np.random.Generator) -> float:
     accel, mag = _vec(-G_MPS2 * reading.down), _vec(reading.mag)
     sample = ImuSample("RANDOM", 1, 1, 0, 0, _vec(reading.gyro), accel, mag)
     state = chosen.initial(Start(_quat(q), ZERO, North.TRUE, accel, mag))
-    ours = np.array(chosen.step(state, dt_s, sample, Aids()).q_nb)
+    ours = np.array(chosen.step(state, dt_s, sample, FilterInputs()).q_nb)
     return float(np.max(np.abs(ours - complete_step(q, reading, _direction(field), beta, alpha, dt_s))))
 
 

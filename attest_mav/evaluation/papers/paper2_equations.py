@@ -8,7 +8,7 @@ import numpy as np
 from attest_mav.algebra import down_in_body, q_mul, q_to_euler, q_unit
 from attest_mav.evaluation.motion import Array
 from attest_mav.evaluation.papers.rotation_stand import PRINTED
-from attest_mav.filters.base import Aids, Start
+from attest_mav.filters.base import FilterInputs, Start
 from attest_mav.filters.robust_adaptive.filter import RobustAdaptive
 from attest_mav.filters.robust_adaptive.model import measurement_rows
 from attest_mav.matrices4 import Mat4
@@ -77,7 +77,7 @@ def _turned(chosen: RobustAdaptive, heading: float) -> float:
     """How far one reading of the heading alone turns the filter, rad."""
     start = Start((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), North.TRUE, (0.0, 0.0, -1.0), None)
     no_accel = ImuSample("STAND", 1, 1, 0, 0, (0.0, 0.0, 0.0), (nan, nan, nan), None)
-    return q_to_euler(chosen.step(chosen.initial(start), 0.01, no_accel, Aids(heading=heading)).q_nb)[2]
+    return q_to_euler(chosen.step(chosen.initial(start), 0.01, no_accel, FilterInputs(heading=heading)).q_nb)[2]
 
 
 def random_quat(rng: np.random.Generator) -> Quat:

@@ -5,7 +5,7 @@ The stand turns about three axes for 40 s: roll and pitch through an angle A wit
 """
 
 from dataclasses import dataclass, replace
-from math import inf, nan, radians, sqrt
+from math import inf, radians, sqrt
 from typing import Final
 
 import numpy as np
@@ -14,7 +14,7 @@ from attest_mav.algebra import q_heading, q_mul, q_to_euler
 from attest_mav.evaluation.motion import Array, Motion, motion, times, to_body
 from attest_mav.evaluation.readings import samples_of
 from attest_mav.evaluation.simulation import NO_ERROR
-from attest_mav.filters.base import Aids, Start
+from attest_mav.filters.base import FilterInputs, Start
 from attest_mav.filters.robust_adaptive.filter import RobustAdaptive
 from attest_mav.types import G_MPS2, ImuSample, North
 
@@ -107,7 +107,7 @@ class StandRun:
 
     start: Start
     samples: list[ImuSample]
-    aids: list[Aids]
+    aids: list[FilterInputs]
     truth: Array
 
 
@@ -125,7 +125,7 @@ def stand_run(setting: Setting, rng: np.random.Generator) -> StandRun:
     return StandRun(
         start=Start(wrong_start, NO_ERROR, North.TRUE, (0.0, 0.0, -G_MPS2), None),
         samples=samples_of(gyro, accel, mag if setting.magnetic else None, true_motion.dt_s),
-        aids=[Aids(heading=nan if setting.magnetic else psi) for psi in heading.tolist()],
+        aids=[FilterInputs(heading=None if setting.magnetic else psi) for psi in heading.tolist()],
         truth=angles,
     )
 

@@ -12,7 +12,7 @@ import numpy as np
 from attest_mav.algebra import clamp, q_from_euler, q_to_euler
 from attest_mav.evaluation.motion import Array, euler_to_quaternion, to_body
 from attest_mav.evaluation.readings import samples_of
-from attest_mav.filters.base import Aids, Start
+from attest_mav.filters.base import BodyVelocity, FilterInputs, Start
 from attest_mav.filters.leveling.filter import Leveling
 from attest_mav.filters.leveling.north import EARTH_RATE
 from attest_mav.filters.leveling.state import LevelingState
@@ -86,7 +86,7 @@ class Voyage:
     start: Start
     dt_s: float
     samples: list[ImuSample]
-    aids: list[Aids]
+    aids: list[FilterInputs]
     truth: Array
 
 
@@ -109,12 +109,11 @@ def voyage(setting: Setting, rng: np.random.Generator) -> Voyage:
         dt_s=dt_s,
         samples=samples_of(gyro, force, mag, dt_s),
         aids=[
-            Aids(
-                forward_speed=speed,
-                forward_speed_fresh=k % setting.speed_every == 0,
+            FilterInputs(
+                body_velocity=BodyVelocity(speed, is_new=k % setting.speed_every == 0),
                 stationary=setting.stationary,
                 latitude=LATITUDE,
-                heading=float("nan") if setting.magnetic else heading,
+                heading=None if setting.magnetic else heading,
             )
             for k, (speed, heading) in enumerate(zip(speeds.tolist(), truth[:, 2].tolist(), strict=True))
         ],

@@ -15,7 +15,7 @@ from typing import Final, cast
 from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import dot, down_in_body, norm, q_exp, q_mul, q_unit, scale, sub
-from attest_mav.filters.base import MAX_CORRECTION_DT_S, Aids, AttitudeFilter, FilterState, Start
+from attest_mav.filters.base import MAX_CORRECTION_DT_S, AttitudeFilter, FilterInputs, FilterState, Start
 from attest_mav.filters.gradient_descent.gradients import descended, field_misfit, full_gradient, gravity_gradient
 from attest_mav.filters.gradient_descent.heading_step import headed, heading_error
 from attest_mav.filters.gradient_descent.options import Learned, prepared, taught, untaught
@@ -116,7 +116,7 @@ class GradientDescent(AttitudeFilter):
             return plain
         return OptionState(plain, start.q_nb, False, untaught(start))
 
-    def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: Aids) -> GradientDescentState:
+    def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: FilterInputs) -> GradientDescentState:
         """One step of (31), or of (26)-(30) with ``full_fusion``. Without a usable gyro the attitude is held."""
         if isinstance(state, OptionState):
             return self._step_with_options(state, dt_s, sample)

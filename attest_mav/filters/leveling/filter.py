@@ -3,7 +3,7 @@
 What tells gravity from acceleration is the velocity: the filter integrates the accelerometer and compares with a
 measured forward speed, or with zero when the vehicle stands. It therefore levels in turns, where a filter that takes
 the accelerometer for gravity leans with the vehicle, and it finds the level from any start, in motion too. It
-assumes a vehicle that goes where it points; one that moves sideways must say how fast (``Aids.side_speed``).
+assumes a vehicle that goes where it points; one that moves sideways must say how fast (``BodyVelocity.side``).
 
 The heading is carried beside it, as the north direction in the body: turned with the gyro, drawn to the magnetometer.
 docs/filters.md has the equations as mended.
@@ -14,7 +14,14 @@ from math import ceil, isinf, isnan, nan, pi
 from typing import Final, cast
 
 from attest_mav.algebra import dot, down_in_body, mat_vec, norm, q_continuous, q_from_matrix, q_to_matrix, scale, sub
-from attest_mav.filters.base import MAX_CORRECTION_DT_S, Aids, AttitudeFilter, FilterState, Start
+from attest_mav.filters.base import (
+    MAX_CORRECTION_DT_S,
+    AttitudeFilter,
+    BodyVelocity,
+    FilterInputs,
+    FilterState,
+    Start,
+)
 from attest_mav.filters.leveling.model import Level, corrected, floored, predicted, sound
 from attest_mav.filters.leveling.north import (
     NorthVector,
@@ -100,7 +107,7 @@ class Leveling(AttitudeFilter):
             start.q_nb, start.gyro_bias, False, False, level, north, motion, self.spacing_s, (nan, nan, nan), nan
         )
 
-    def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: Aids) -> LevelingState:
+    def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: FilterInputs) -> LevelingState:
         """Predict with the inertial sample, correct with what is known of the velocity, then turn the heading.
 
         Without a usable gyro it holds.
@@ -154,19 +161,20 @@ class Leveling(AttitudeFilter):
             x = predicted(x, gyro, earth, accel, self.gravity, part_s, q_velocity, boost * self.q_down)
         return x
 
-    def _measure_velocity(self, x: Level, before: Motion, aids: Aids, due: bool) -> tuple[Level, Motion, Vec3]:
+    def _measure_velocity(self, x: Level, before: Motion, aids: FilterInputs, due: bool) -> tuple[Level, Motion, Vec3]:
         """x after the rows of the model in use, that model, and the innovations."""
         if aids.stationary:
             if not before.stationary:
                 x = self._with_velocity(x, (0.0, 0.0, 0.0))
             return self._keep(x, Motion(True, False, (0.0, 0.0, 0.0)), self.r_stationary, due)
-        if not abs(aids.forward_speed) < MAX_SPEED:
+        velocity = aids.body_velocity
+        if velocity is None or not abs(velocity.forward) < MAX_SPEED:
             return self._keep(x, Motion(False, False, before.velocity), self.r_unaided, due)
-        if not aids.forward_speed_fresh:
+        if not velocity.is_new:
             return (x, Motion(False, before.moving, before.velocity), (nan, nan, nan))
         if not before.moving:
-            x = self._with_velocity(x, (aids.forward_speed, _known(aids.side_speed), _known(aids.down_speed)))
-        x, innovation = self._take_speed(x, aids)
+            x = self._with_velocity(x, (velocity.forward, *_lateral(velocity)))
+        x, innovation = self._take_speed(x, velocity)
         return (x, Motion(False, True, x.velocity), innovation)
 
     def _with_velocity(self, x: Level, velocity: Vec3) -> Level:
@@ -186,26 +194,34 @@ class Leveling(AttitudeFilter):
         x, down = _take_row(x, (0.0, 0.0, 1.0), motion.velocity[2], variance)
         return (x, motion, (forward, side, down))
 
-    def _take_speed(self, x: Level, aids: Aids) -> tuple[Level, Vec3]:
+    def _take_speed(self, x: Level, velocity: BodyVelocity) -> tuple[Level, Vec3]:
         """The rows of the moving model, eq. (29), with those for a vehicle that goes where it points."""
         side, down = nan, nan
-        x, forward = _take_row(x, (1.0, 0.0, 0.0), aids.forward_speed, self.r_speed)
-        if not isinf(self.r_sideslip):
-            if abs(aids.side_speed) < MAX_SPEED:
-                x, side = _take_row(x, (0.0, 1.0, 0.0), aids.side_speed, self.r_sideslip)
-            if abs(aids.down_speed) < MAX_SPEED:
-                x, down = _take_row(x, (0.0, 0.0, 1.0), aids.down_speed, self.r_sideslip)
+        x, forward = _take_row(x, (1.0, 0.0, 0.0), velocity.forward, self.r_speed)
+        if velocity.lateral_known and not isinf(self.r_sideslip):
+            if abs(velocity.side) < MAX_SPEED:
+                x, side = _take_row(x, (0.0, 1.0, 0.0), velocity.side, self.r_sideslip)
+            if abs(velocity.down) < MAX_SPEED:
+                x, down = _take_row(x, (0.0, 0.0, 1.0), velocity.down, self.r_sideslip)
         return (x, (forward, side, down))
 
     def _follow_field(
-        self, before: NorthVector, north: Vec3, down: Vec3, found: bool, dt_s: float, sample: ImuSample, aids: Aids
+        self,
+        before: NorthVector,
+        north: Vec3,
+        down: Vec3,
+        found: bool,
+        dt_s: float,
+        sample: ImuSample,
+        aids: FilterInputs,
     ) -> NorthVector:
         """The heading after this sample: as supplied, or drawn to the magnetometer, or as the gyro turned it.
 
         One that was not known becomes the magnetometer's, until the level is found and it counts as known.
         """
-        if abs(aids.heading) < MAX_HEADING:
-            return NorthVector(north_from_heading(aids.heading, down, north), self.r_heading, True, False)
+        heading = aids.heading
+        if heading is not None and abs(heading) < MAX_HEADING:
+            return NorthVector(north_from_heading(heading, down, north), self.r_heading, True, False)
         variance = before.variance + self.heading_noise * dt_s
         error = field_error(north, down, sample.mag) if sample.mag is not None else nan
         if isnan(error):
@@ -221,6 +237,7 @@ def _take_row(x: Level, axis: Vec3, measured: float, variance: float) -> tuple[L
     return (corrected(x, axis, (0.0, 0.0, 0.0), innovation, variance), innovation)
 
 
-def _known(speed: float) -> float:
-    """speed, or 0 where it is not known."""
-    return speed if abs(speed) < MAX_SPEED else 0.0
+def _lateral(velocity: BodyVelocity) -> tuple[float, float]:
+    """The speeds along the body's y and z, m/s, 0 where one is not known."""
+    side = velocity.side if velocity.lateral_known and abs(velocity.side) < MAX_SPEED else 0.0
+    return (side, velocity.down if velocity.lateral_known and abs(velocity.down) < MAX_SPEED else 0.0)

@@ -14,7 +14,7 @@ from math import inf, isinf, isnan, nan, sqrt
 from typing import Final, cast
 
 from attest_mav.algebra import norm, q_dot, q_exp, q_mul, q_norm, q_unit, scale, sub
-from attest_mav.filters.base import MAX_CORRECTION_DT_S, Aids, AttitudeFilter, FilterState, Start
+from attest_mav.filters.base import MAX_CORRECTION_DT_S, AttitudeFilter, FilterInputs, FilterState, Start
 from attest_mav.filters.robust_adaptive.model import (
     accel_innovation,
     heading_innovation,
@@ -94,7 +94,7 @@ class RobustAdaptive(AttitudeFilter):
         """Start from the alignment."""
         return unmeasured(start.q_nb, start.gyro_bias, diagonal4(self.p0), 1.0, (0.0, 0.0, 0.0, 0.0))
 
-    def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: Aids) -> RobustAdaptiveState:
+    def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: FilterInputs) -> RobustAdaptiveState:
         """One step of (14): predict, weigh the rows, weigh the prediction, correct. Without a usable gyro it holds."""
         before = cast("RobustAdaptiveState", state)
         gyro = sub(sample.gyro, before.gyro_bias)
@@ -130,7 +130,7 @@ class RobustAdaptive(AttitudeFilter):
             rejected_s,
         )
 
-    def _innovation(self, q: Quat, sample: ImuSample, aids: Aids) -> Quat:
+    def _innovation(self, q: Quat, sample: ImuSample, aids: FilterInputs) -> Quat:
         """Measured minus predicted, eq. (17); NaN for a row without a usable reading."""
         heading = heading_innovation(q, sample.mag, aids.heading)
         length = norm(sample.accel)

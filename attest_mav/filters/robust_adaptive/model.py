@@ -64,13 +64,13 @@ def accel_innovation(q: Quat, accel: Vec3) -> Vec3:
     return add(scale(accel, 1.0 / norm(accel)), down_in_body(q))
 
 
-def heading_innovation(q: Quat, mag: Vec3 | None, heading: float) -> float:
+def heading_innovation(q: Quat, mag: Vec3 | None, heading: float | None) -> float:
     """Measured minus predicted heading, rad; NaN where nothing shows one.
 
-    A supplied ``heading`` (rad, NaN: none) goes before the magnetometer. The field is levelled by the estimate: what
+    A supplied ``heading`` (rad) goes before the magnetometer. The field is levelled by the estimate: what
     is left of it east of the estimate's north is the error, without a detour through Euler angles.
     """
-    if abs(heading) < MAX_HEADING:
+    if heading is not None and abs(heading) < MAX_HEADING:
         w, x, y, z = q
         return wrap_pi(heading - atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z))
     if mag is None:

@@ -10,7 +10,7 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import add, norm, scale
-from attest_mav.filters.base import Aids
+from attest_mav.filters.base import FilterInputs
 from attest_mav.filters.velocity_aided.aids.fallback import (
     FLYING_SPEED,
     SPACING_S,
@@ -85,7 +85,7 @@ class Flying:
 
 
 def flown(
-    before: Flying, reading: Reading, sample: ImuSample, aids: Aids, dt_s: float, settings: FlightParameters
+    before: Flying, reading: Reading, sample: ImuSample, aids: FilterInputs, dt_s: float, settings: FlightParameters
 ) -> Flying:
     """The flight ``dt_s`` later, at the reading taken then."""
     aided = before.fixes.lost_s < LOST_S
@@ -114,19 +114,19 @@ def flown(
     )
 
 
-def _speed(fix: VelocitySample | None, aids: Aids) -> float:
+def _speed(fix: VelocitySample | None, aids: FilterInputs) -> float:
     """What speaks against rest, m/s. Under way and without a fix nothing is known: cruise is as quiet as a desk."""
     if fix is not None:
         return norm(fix.v_ned)
-    return 0.0 if aids.in_place else inf
+    return 0.0 if aids.zero_mean_velocity else inf
 
 
-def is_wing_flying(aids: Aids) -> bool:
+def is_wing_flying(aids: FilterInputs) -> bool:
     """True when the air speed is that of a wing in flight."""
     return _wing_speed(aids) > FLYING_SPEED
 
 
-def _aid(fixes: Fixes, rest: Rest, aids: Aids, settings: FlightParameters) -> Aid:
+def _aid(fixes: Fixes, rest: Rest, aids: FilterInputs, settings: FlightParameters) -> Aid:
     """What the attitude rests on now."""
     if fixes.lost_s < LOST_S:
         return Aid.VELOCITY
@@ -134,18 +134,21 @@ def _aid(fixes: Fixes, rest: Rest, aids: Aids, settings: FlightParameters) -> Ai
         return Aid.REST
     if is_wing_flying(aids):
         return Aid.AIRSPEED
-    if not fixes.source and aids.in_place:
+    if not fixes.source and aids.zero_mean_velocity:
         return Aid.PLACE
     return Aid.COASTING if fixes.source and fixes.lost_s < settings.coast_s else Aid.GRAVITY
 
 
-def _wing_speed(aids: Aids) -> float:
-    """Speed along the nose, m/s, of what goes where it points; 0 where it is not known, or cannot be one."""
-    return aids.forward_speed if aids.side_speed == 0.0 and 0.0 < aids.forward_speed < MAX_VELOCITY else 0.0
+def _wing_speed(aids: FilterInputs) -> float:
+    """Airspeed of a vehicle that goes where it points, m/s; 0 where there is none that can be used."""
+    airspeed = aids.airspeed
+    if airspeed is None or not aids.goes_where_it_points:
+        return 0.0
+    return airspeed.speed if 0.0 < airspeed.speed < MAX_VELOCITY else 0.0
 
 
 def _substituted(
-    motion: Motion, air: Air, aid: Aid, force: Vec3, aids: Aids, dt_s: float, settings: FlightParameters
+    motion: Motion, air: Air, aid: Aid, force: Vec3, aids: FilterInputs, dt_s: float, settings: FlightParameters
 ) -> tuple[Motion, Air]:
     """Motion and wind after what takes the place of fixes."""
     speed = _wing_speed(aids)

@@ -25,7 +25,7 @@ from attest_mav.algebra import (
     sub,
     tilt_between,
 )
-from attest_mav.filters.base import Aids, AttitudeFilter, FilterState, Start, VehicleFacts
+from attest_mav.filters.base import AttitudeFilter, FilterInputs, FilterState, Start
 from attest_mav.filters.velocity_aided.aids.gnss_velocity import low_pass_delay_s
 from attest_mav.filters.velocity_aided.aids.magnetometer import field_of
 from attest_mav.filters.velocity_aided.alignment.collect import Alignment, continued, started
@@ -36,7 +36,7 @@ from attest_mav.filters.velocity_aided.nav_state import Motion, is_sound, rate_o
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.prediction import MAX_RATE, Reading, read
 from attest_mav.filters.velocity_aided.state import VelocityAidedState
-from attest_mav.types import ImuSample, Quat, Vec3
+from attest_mav.types import ImuSample, Quat, Vec3, VehicleSettings
 
 LONGEST_STEP_S: Final = 1.0
 """After a longer gap the attitude is lost, and alignment begins again."""
@@ -84,14 +84,14 @@ class VelocityAided(AttitudeFilter):
         return True
 
     @property
-    def assumed(self) -> VehicleFacts:
+    def default_settings(self) -> VehicleSettings:
         """The parameters that are open."""
         settings = self.parameters
-        return VehicleFacts(
+        return VehicleSettings(
             settings.low_pass_hz if self.low_pass_open else nan, settings.fix_delay_s if self.fix_delay_open else nan
         )
 
-    def informed(self, facts: VehicleFacts) -> "VelocityAided":
+    def with_vehicle_settings(self, facts: VehicleSettings) -> "VelocityAided":
         """The filter with the facts in its open parameters. One that flies estimates the delay from where it is."""
         settings = self.parameters
         low_pass = self.low_pass_open and isfinite(facts.low_pass_hz)
@@ -111,7 +111,7 @@ class VelocityAided(AttitudeFilter):
         """Begin to align. The start's attitude is only shown until the filter has its own; its bias is taken."""
         return VelocityAidedState(start.q_nb, start.gyro_bias, False, False, pi, pi, None, None, 0.0, False, 0.0)
 
-    def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: Aids) -> VelocityAidedState:
+    def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: FilterInputs) -> VelocityAidedState:
         """One step; ``dt_s`` may be longer than 1 s: then alignment begins again."""
         before = cast("VelocityAidedState", state)
         if not (is_finite(sample.gyro) and norm(sample.gyro) < MAX_RATE and dt_s > 0.0):
@@ -141,7 +141,7 @@ class VelocityAided(AttitudeFilter):
         flying: Flying | None,
         reading: Reading,
         sample: ImuSample,
-        aids: Aids,
+        aids: FilterInputs,
         dt_s: float,
     ) -> VelocityAidedState:
         """One sample more for the alignment, or its end."""
@@ -154,7 +154,7 @@ class VelocityAided(AttitudeFilter):
         else:
             new = field_of(sample) if sample.mag != so_far.mag else None
             fix = aids.velocity
-            flies = not aids.in_place and is_wing_flying(aids)
+            flies = not aids.zero_mean_velocity and is_wing_flying(aids)
             so_far = continued(so_far, reading, sample.mag, new, fix, flies, bias, dt_s, sample.t_ns, settings)
         dip = aids.inclination
         if not isfinite(dip) and flying is not None:

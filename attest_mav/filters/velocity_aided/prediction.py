@@ -16,16 +16,8 @@ from attest_mav.filters.velocity_aided.history import Track, longer
 from attest_mav.filters.velocity_aided.nav_state import STILL_ACCEL, STILL_RATE, Motion, moved, rate_of, shown
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.matrices import mat_add, mat_scale
-from attest_mav.types import G_MPS2, ImuSample, Mat3, Vec3
+from attest_mav.types import ImuSample, Mat3, Vec3
 
-INTEGER_MESSAGES: Final = frozenset({"RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "SCALED_IMU3"})
-"""Their readings are int16 in mrad/s, milli-g and milligauss, truncated toward zero."""
-GYRO_UNIT: Final = 1e-3
-"""rad/s."""
-ACCEL_UNIT: Final = 1e-3 * G_MPS2
-"""m/s^2."""
-MAG_UNIT: Final = 1e-3
-"""gauss."""
 MAX_RATE: Final = 1e3
 """rad/s: a gyro that reports this much is not read."""
 MAX_ACCEL: Final = 1e4
@@ -91,13 +83,16 @@ def read(sample: ImuSample, before: Vec3) -> Reading:
     usable = is_finite(sample.accel) and norm(sample.accel) < MAX_ACCEL
     accel = sample.accel if usable else before
     saturated = sample.saturated or not usable
-    if sample.source not in INTEGER_MESSAGES:
-        return Reading(sample.gyro, accel, saturated)
-    return Reading(dequantised(sample.gyro, GYRO_UNIT), dequantised(accel, ACCEL_UNIT) if usable else accel, saturated)
+    quantum = sample.quantum
+    return Reading(
+        dequantised(sample.gyro, quantum.gyro), dequantised(accel, quantum.accel) if usable else accel, saturated
+    )
 
 
 def dequantised(v: Vec3, unit: float) -> Vec3:
-    """The middle of the interval that truncation toward zero has mapped to v; zero stays zero."""
+    """The middle of the interval that truncation toward zero has mapped to v; zero, and exact readings, stay."""
+    if unit <= 0.0:
+        return v
     return (_middle(v[0], unit), _middle(v[1], unit), _middle(v[2], unit))
 
 

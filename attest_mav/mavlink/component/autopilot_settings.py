@@ -8,10 +8,9 @@ is left at what the filter assumes.
 from math import isfinite
 from typing import Final
 
-from attest_mav.filters.base import VehicleFacts
 from attest_mav.mavlink.component.notes import Notebook
 from attest_mav.mavlink.decode.autopilot_parameters import names_of, quantity, with_unit
-from attest_mav.types import ParameterSample, Setting
+from attest_mav.types import ParameterSample, Setting, VehicleSettings
 
 FIRST_PAUSE_NS: Final = 1_000_000_000
 """Doubled after each request."""
@@ -39,13 +38,14 @@ class Question:
 class ParameterAsker:
     """The questions to one vehicle. ``poll`` returns the names to ask for; it does not send.
 
-    asks: False only listens. assumed: what is not NaN is wanted, and holds until it is told.
+    asks: False only listens. default_settings: each that is not NaN is wanted,
+    and holds until the autopilot tells another.
     """
 
-    def __init__(self, asks: bool, assumed: VehicleFacts, notebook: Notebook) -> None:
-        self.wanted: Final = [setting for setting in Setting if isfinite(assumed.of(setting))]
+    def __init__(self, asks: bool, default_settings: VehicleSettings, notebook: Notebook) -> None:
+        self.wanted: Final = [setting for setting in Setting if isfinite(default_settings.get(setting))]
         self._asks: Final = asks
-        self._assumed: Final = assumed
+        self._assumed: Final = default_settings
         self._notebook: Final = notebook
         self._questions: list[Question] = []
         self._told: dict[Setting, str] = {}
@@ -103,7 +103,7 @@ class ParameterAsker:
         self._say(setting, f"the autopilot does not tell its {quantity(setting)} ({names}): {self._assume(setting)}")
 
     def _assume(self, setting: Setting) -> str:
-        return f"{with_unit(setting, self._assumed.of(setting))} is assumed"
+        return f"{with_unit(setting, self._assumed.get(setting))} is assumed"
 
     def _say(self, setting: Setting, text: str) -> None:
         """Leave a note, unless the same was said last."""

@@ -6,7 +6,6 @@ What aids a filter are messages, and settings that are parameters of the autopil
 from dataclasses import dataclass, field
 from typing import Final
 
-from attest_mav.filters.base import VehicleFacts
 from attest_mav.mavlink.component.autopilot_settings import ParameterAsker
 from attest_mav.mavlink.component.imu_choice import ImuChoice, preferred_messages
 from attest_mav.mavlink.component.notes import Notebook
@@ -14,6 +13,7 @@ from attest_mav.mavlink.component.stream import Order, Stream
 from attest_mav.mavlink.component.streams import StreamKeeper
 from attest_mav.mavlink.decode.units import INVALID
 from attest_mav.mavlink.dialect import Dialect
+from attest_mav.types import VehicleSettings
 
 IMU_MESSAGES: Final = ("RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "SCALED_IMU3", "HIGHRES_IMU")
 OTHER_MESSAGES: Final = ("ATTITUDE", "ATTITUDE_QUATERNION", "GPS_RAW_INT", "VFR_HUD", "SYSTEM_TIME")
@@ -46,7 +46,7 @@ class DataSettings:
     attitude_hz: float = 10.0
     aiding_hz: float = 5.0
     positions: tuple[str, ...] = ()
-    assumed: VehicleFacts = field(default_factory=VehicleFacts)
+    default_settings: VehicleSettings = field(default_factory=VehicleSettings)
 
 
 class VehicleData:
@@ -54,7 +54,7 @@ class VehicleData:
 
     def __init__(self, dialect: Dialect, settings: DataSettings, notebook: Notebook) -> None:
         self.keeper: Final = StreamKeeper(settings.asks, notebook)
-        self.parameters: Final = ParameterAsker(settings.asks, settings.assumed, notebook)
+        self.parameters: Final = ParameterAsker(settings.asks, settings.default_settings, notebook)
         self._dialect: Final = dialect
         self._settings: Final = settings
         self._notebook: Final = notebook

@@ -11,12 +11,11 @@ from dataclasses import dataclass
 from math import nan
 from typing import Final
 
-from attest_mav.filters.base import VehicleFacts
 from attest_mav.mavlink.decode.readers import Reader
 from attest_mav.mavlink.decode.units import ARDUPILOT, PX4
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
-from attest_mav.types import ParameterSample, Sample, Setting
+from attest_mav.types import ParameterSample, Sample, Setting, VehicleSettings
 
 INT32: Final = 6
 """MAV_PARAM_TYPE_INT32."""
@@ -55,9 +54,9 @@ PARAMETERS: Final = (
 """ArduPilot 4.6 gave GPS_DELAY_MS its new name; of PX4's two the second is the newer."""
 
 
-def facts_of_firmware(autopilot: int) -> VehicleFacts:
+def facts_of_firmware(autopilot: int) -> VehicleSettings:
     """What is known of every vehicle with this MAV_AUTOPILOT before it tells anything."""
-    return VehicleFacts(low_pass_hz=0.0) if autopilot == PX4 else VehicleFacts()
+    return VehicleSettings(low_pass_hz=0.0) if autopilot == PX4 else VehicleSettings()
 
 
 def names_of(setting: Setting, autopilot: int) -> list[str]:

@@ -25,7 +25,7 @@ from attest_mav.mavlink.decode.readers import (
 from attest_mav.mavlink.decode.units import RawScales
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
-from attest_mav.types import Sample
+from attest_mav.types import AttitudeRole, Sample
 
 MAGNETOMETER: Final = " magnetometer"
 """Marks the refusal of a message's field alone."""
@@ -54,9 +54,11 @@ class Decoder:
         ]
         others: list[Reader] = [
             heartbeat,
-            AttitudeReader(dialect, "ATTITUDE", "time_boot_ms", ("rollspeed", "pitchspeed", "yawspeed")),
-            AttitudeReader(dialect, "AHRS2", "", ()),
-            AttitudeReader(dialect, "SIMSTATE", "", ("xgyro", "ygyro", "zgyro")),
+            AttitudeReader(
+                dialect, "ATTITUDE", "time_boot_ms", ("rollspeed", "pitchspeed", "yawspeed"), AttitudeRole.AUTOPILOT
+            ),
+            AttitudeReader(dialect, "AHRS2", "", (), AttitudeRole.SECONDARY),
+            AttitudeReader(dialect, "SIMSTATE", "", ("xgyro", "ygyro", "zgyro"), AttitudeRole.TRUTH),
             QuaternionReader(dialect),
             SimStateReader(dialect),
             GpsReader(dialect, boot_clock),

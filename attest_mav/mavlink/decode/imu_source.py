@@ -12,7 +12,7 @@ from attest_mav.mavlink.decode.units import (
     MagnitudeCheck,
     UnitRow,
 )
-from attest_mav.types import ImuSample, Sample, Vec3
+from attest_mav.types import EXACT, ImuSample, Quantum, Sample, Vec3
 
 STALE_TURN_RAD: Final = 1.0
 STALE_TIME_S: Final = 0.5
@@ -35,6 +35,7 @@ class ImuLane:
         self.field_refusal = ""
         self.refused = 0
         self.note = row.note
+        self._quantum: Final = Quantum(row.gyro, row.accel, row.mag) if row.integer else EXACT
         self._accel_check: Final = MagnitudeCheck(MIN_ACCEL_MPS2, MAX_ACCEL_MPS2, (1.0,))
         self._field_check: Final = MagnitudeCheck(MIN_FIELD_GAUSS, MAX_FIELD_GAUSS, row.field_powers)
         self._held: list[ImuSample] = []
@@ -71,6 +72,7 @@ class ImuLane:
             (accel[0] * row.accel, accel[1] * row.accel, accel[2] * row.accel),
             mag,
             saturated,
+            self._quantum,
         )
         if not settled:
             return self._start_up(sample)
@@ -124,17 +126,7 @@ class ImuLane:
         if mag is not None:
             k = self._field_check.factor
             mag = (mag[0] * k, mag[1] * k, mag[2] * k) if self._field_check.passed else None
-        return ImuSample(
-            sample.source,
-            sample.system,
-            sample.component,
-            sample.t_ns,
-            sample.rx_ns,
-            sample.gyro,
-            sample.accel,
-            mag,
-            sample.saturated,
-        )
+        return sample.with_readings(sample.gyro, sample.accel, mag)
 
     def _report_field(self) -> None:
         """Puts the verdict on the magnetometer into words."""

@@ -12,6 +12,9 @@ from attest_mav.mavlink.wire.frame import Frame
 from attest_mav.types import (
     NO_TIME,
     AirDataSample,
+    AirspeedSource,
+    AttitudeForm,
+    AttitudeRole,
     AttitudeSample,
     ClockSample,
     HeartbeatSample,
@@ -19,6 +22,8 @@ from attest_mav.types import (
     Quat,
     Sample,
     Vec3,
+    VehicleKind,
+    VelocityOrigin,
     VelocitySample,
 )
 
@@ -35,6 +40,14 @@ NOT_KNOWN_U16: Final = 65535
 """What GPS_RAW_INT writes into a uint16 field it does not know."""
 
 CENTI: Final = 1e-2
+
+
+KINDS: Final = {
+    **dict.fromkeys((1, 19, 20, 21, 22, 23, 24, 25), VehicleKind.WING),
+    **dict.fromkeys((2, 3, 4, 13, 14, 15, 29, 35, 43), VehicleKind.ROTARY),
+    **dict.fromkeys((10, 11), VehicleKind.SURFACE),
+}
+"""MAV_TYPE to how such a vehicle moves: aeroplanes and the VTOL kinds; copters; ground vehicles and surface boats."""
 
 
 class Reader:
@@ -75,7 +88,15 @@ class HeartbeatReader(Reader):
         armed = base_mode & ARMED != 0
         return [
             HeartbeatSample(
-                self.name, frame.system, frame.component, frame.rx_ns, vehicle_type, autopilot, armed, status
+                self.name,
+                frame.system,
+                frame.component,
+                frame.rx_ns,
+                vehicle_type,
+                autopilot,
+                armed,
+                status,
+                KINDS.get(vehicle_type, VehicleKind.UNKNOWN),
             )
         ]
 
@@ -83,8 +104,9 @@ class HeartbeatReader(Reader):
 class AttitudeReader(Reader):
     """ATTITUDE, AHRS2 and SIMSTATE: roll, pitch and yaw, with or without time and rates."""
 
-    def __init__(self, dialect: Dialect, name: str, time: str, rates: tuple[str, ...]) -> None:
+    def __init__(self, dialect: Dialect, name: str, time: str, rates: tuple[str, ...], role: AttitudeRole) -> None:
         super().__init__(name)
+        self._role: Final = role
         self._has_time: Final = bool(time)
         self._has_rates: Final = bool(rates)
         names = [time] if time else []
@@ -100,7 +122,7 @@ class AttitudeReader(Reader):
             return self.refuse(frame, "a value is not finite")
         t_ns: int = values[0] * 1_000_000 if self._has_time else NO_TIME
         q = q_from_euler(euler[0], euler[1], euler[2])
-        return [AttitudeSample(self.name, frame.system, frame.component, t_ns, frame.rx_ns, q, rates)]
+        return [AttitudeSample(self.name, frame.system, frame.component, t_ns, frame.rx_ns, q, rates, self._role)]
 
 
 class QuaternionReader(Reader):
@@ -126,7 +148,8 @@ class QuaternionReader(Reader):
             q = q_mul(q, offset)
             rates = rotate_back(offset, rates)
         t_ns: int = values[0] * 1_000_000
-        return [AttitudeSample(self.name, frame.system, frame.component, t_ns, frame.rx_ns, q, rates)]
+        role, form = AttitudeRole.AUTOPILOT, AttitudeForm.QUATERNION
+        return [AttitudeSample(self.name, frame.system, frame.component, t_ns, frame.rx_ns, q, rates, role, form)]
 
 
 class SimStateReader(Reader):
@@ -148,7 +171,8 @@ class SimStateReader(Reader):
             q = q_from_euler(euler[0], euler[1], euler[2])
         if not is_attitude(q) or not is_finite(rates):
             return self.refuse(frame, f"{q} is no attitude, or a rate is not finite")
-        return [AttitudeSample(self.name, frame.system, frame.component, NO_TIME, frame.rx_ns, q_unit(q), rates)]
+        role, q = AttitudeRole.TRUTH, q_unit(q)
+        return [AttitudeSample(self.name, frame.system, frame.component, NO_TIME, frame.rx_ns, q, rates, role)]
 
 
 class GpsReader(Reader):
@@ -172,7 +196,18 @@ class GpsReader(Reader):
             speed: float = vel * CENTI
             course = radians(cog * CENTI)
             v_ned = (speed * cos(course), speed * sin(course), 0.0)
-            samples.append(VelocitySample(self.name, frame.system, frame.component, t_ns, frame.rx_ns, v_ned, False))
+            samples.append(
+                VelocitySample(
+                    self.name,
+                    frame.system,
+                    frame.component,
+                    t_ns,
+                    frame.rx_ns,
+                    v_ned,
+                    False,
+                    VelocityOrigin.RECEIVER,
+                )
+            )
         samples.append(
             PositionSample(
                 self.name, frame.system, frame.component, t_ns, frame.rx_ns, lat * 1e-7, lon * 1e-7, alt * 1e-3
@@ -197,7 +232,8 @@ class VelocityReader(Reader):
         if not is_finite(v_ned):
             return self.refuse(frame, "a velocity is not finite")
         t_ns: int = time * 1_000_000
-        return [VelocitySample(self.name, frame.system, frame.component, t_ns, frame.rx_ns, v_ned, True)]
+        origin = VelocityOrigin.ESTIMATOR
+        return [VelocitySample(self.name, frame.system, frame.component, t_ns, frame.rx_ns, v_ned, True, origin)]
 
 
 class HudReader(Reader):
@@ -213,7 +249,18 @@ class HudReader(Reader):
         airspeed, groundspeed, climb = finite_or_nan(values[0]), finite_or_nan(values[1]), finite_or_nan(values[2])
         if not (isfinite(airspeed) or isfinite(groundspeed) or isfinite(climb)):
             return self.refuse(frame, "none of its speeds is finite")
-        return [AirDataSample(self.name, frame.system, frame.component, frame.rx_ns, airspeed, groundspeed, climb)]
+        return [
+            AirDataSample(
+                self.name,
+                frame.system,
+                frame.component,
+                frame.rx_ns,
+                airspeed,
+                groundspeed,
+                climb,
+                AirspeedSource.REPORTED,
+            )
+        ]
 
 
 class ClockReader(Reader):

@@ -2,21 +2,34 @@ from pathlib import Path
 
 import pytest
 
-from attest_mav.types import AttitudeSample, HeartbeatSample, ImuSample, PositionSample, VelocitySample
+from attest_mav.types import (
+    G_MPS2,
+    AttitudeRole,
+    AttitudeSample,
+    HeartbeatSample,
+    ImuSample,
+    PositionSample,
+    Quantum,
+    VehicleKind,
+    VelocityOrigin,
+    VelocitySample,
+)
 
 MS = 1_000_000
 START_MS = 5000
 """The sensor's clock at the first sample; the host's runs 100 s ahead."""
 AHEAD_MS = 100_000
+AUTOPILOT = AttitudeRole.AUTOPILOT
 
 
 def imu(t_ms, gyro=(0.0, 0.0, 0.0), accel=(0.0, 0.0, -9.80665), mag=(0.2, 0.0, 0.44)):
-    return ImuSample("RAW_IMU", 1, 1, t_ms * MS, (t_ms + AHEAD_MS) * MS, gyro, accel, mag)
+    quantum = Quantum(1e-3, 1e-3 * G_MPS2, 1e-3)
+    return ImuSample("RAW_IMU", 1, 1, t_ms * MS, (t_ms + AHEAD_MS) * MS, gyro, accel, mag, quantum=quantum)
 
 
 def fix(t_ms, v_ned=(10.0, 0.0, 0.0), stamp_ms=None):
     return VelocitySample(
-        "GPS_RAW_INT", 1, 1, (stamp_ms or t_ms) * MS, (t_ms + AHEAD_MS) * MS, v_ned, vertical_known=False
+        "GPS_RAW_INT", 1, 1, (stamp_ms or t_ms) * MS, (t_ms + AHEAD_MS) * MS, v_ned, False, VelocityOrigin.RECEIVER
     )
 
 
@@ -25,11 +38,11 @@ def place(t_ms):
 
 
 def attitude(t_ms):
-    return AttitudeSample("ATTITUDE", 1, 1, t_ms * MS, (t_ms + AHEAD_MS) * MS, (1.0, 0.0, 0.0, 0.0), None)
+    return AttitudeSample("ATTITUDE", 1, 1, t_ms * MS, (t_ms + AHEAD_MS) * MS, (1.0, 0.0, 0.0, 0.0), None, AUTOPILOT)
 
 
 def heartbeat(t_ms):
-    return HeartbeatSample("HEARTBEAT", 1, 1, (t_ms + AHEAD_MS) * MS, 1, 3, armed=True, status=4)
+    return HeartbeatSample("HEARTBEAT", 1, 1, (t_ms + AHEAD_MS) * MS, 1, 3, True, 4, VehicleKind.WING)
 
 
 @pytest.fixture(scope="session")

@@ -5,17 +5,16 @@ from attest_mav.algebra import q_heading, tilt_between
 from attest_mav.earth_field import LocalField
 from attest_mav.evaluation.flight_study.flying import recorded
 from attest_mav.evaluation.flight_study.peers import CARRIER, PEERS, _steps, installed_peers, peer_flown, with_peer
-from attest_mav.filters.base import VehicleFacts
 from attest_mav.replay.engine import Recording
 from attest_mav.replay.plan import Plan
-from attest_mav.types import AttitudeSample
+from attest_mav.types import AttitudeSample, VehicleSettings
 
 AT_REST = Plan((1, 1), "RAW_IMU", "SIM_STATE", None, "RAW_IMU")
 
 
 @pytest.mark.parametrize("name", PEERS)
 def test_at_rest_a_peer_is_level_and_looks_to_true_north(stream, name):
-    recording = Recording(AT_REST, LocalField(10.0, 60.0, "given"), VehicleFacts(), stream)
+    recording = Recording(AT_REST, LocalField(10.0, 60.0, "given"), VehicleSettings(), stream)
     samples = with_peer(recording, _steps(name, 50.0))
     carried = [sample for sample in samples if isinstance(sample, AttitudeSample) and sample.source == CARRIER]
     assert len(carried) == 500

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from attest_mav.algebra import down_in_body, heading_between, q_from_euler, tilt_between
 from attest_mav.evaluation.papers.paper1_equations import identity_gap, jacobian_gap, misfit
-from attest_mav.filters.base import Aids, Start
+from attest_mav.filters.base import FilterInputs, Start
 from attest_mav.filters.gradient_descent.filter import FixedField, GradientDescent, GradientDescentState
 from attest_mav.filters.gradient_descent.gradients import field_misfit, full_gradient, gravity_gradient
 from attest_mav.types import G_MPS2, ImuSample, North
@@ -22,7 +22,7 @@ MAG = (0.45, -0.1, 0.85)
 FIELD = FixedField(0.5, sqrt(0.75))
 ZERO = (0.0, 0.0, 0.0)
 LEVEL = (0.0, 0.0, -G_MPS2)
-NO_AIDS = Aids()
+NO_AIDS = FilterInputs()
 
 
 def reading(gyro=GYRO, accel=ACCEL, mag=MAG, saturated=False):

@@ -12,7 +12,7 @@ from attest_mav.algebra import heading_between, q_mul, tilt_between
 from attest_mav.evaluation.motion import mean_rate, motion, times, waves
 from attest_mav.evaluation.papers.paper1 import FIELD, HANDHELD, NO_BIAS
 from attest_mav.evaluation.simulation import SensorErrors, imu_samples, run_filter
-from attest_mav.filters.base import Aids, Start
+from attest_mav.filters.base import FilterInputs, Start
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.types import G_MPS2, ImuSample, North
 
@@ -145,6 +145,6 @@ def peak_error(exact, q, rates, force, dt_s):
     worst = 0.0
     for k, step in enumerate(dt_s.tolist()):
         sample = ImuSample("RAW_IMU", 1, 1, 0, 0, tuple(rates[k].tolist()), tuple(force[k + 1].tolist()), None)
-        state = filter_.step(state, step, sample, Aids())
+        state = filter_.step(state, step, sample, FilterInputs())
         worst = max(worst, abs(heading_between(state.q_nb, tuple(q[k + 1].tolist()))))
     return worst

@@ -22,7 +22,7 @@ from attest_mav.algebra import (
     sub,
     tilt_between,
 )
-from attest_mav.filters.base import Aids, Start
+from attest_mav.filters.base import FilterInputs, Start
 from attest_mav.filters.gradient_descent.field_gate import FieldGate
 from attest_mav.filters.gradient_descent.filter import GradientDescent, GradientDescentState, OptionState
 from attest_mav.filters.gradient_descent.inertial_force import InertialForce, carried, resting
@@ -35,7 +35,7 @@ ZERO = (0.0, 0.0, 0.0)
 LEVEL = (0.0, 0.0, -G_MPS2)
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 MAG = (0.2, 0.0, 0.4)
-NO_AIDS = Aids()
+NO_AIDS = FilterInputs()
 ALL_ON = GradientDescent(beta=0.02, rest_bias=True, accel_time_s=2.5, heading_rate=0.01, field_gate=True)
 
 

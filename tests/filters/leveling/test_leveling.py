@@ -19,7 +19,7 @@ from attest_mav.algebra import (
     rotate_back,
     tilt_between,
 )
-from attest_mav.filters.base import Aids, Start
+from attest_mav.filters.base import BodyVelocity, FilterInputs, Start
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.leveling.filter import Leveling
 from attest_mav.types import G_MPS2, ImuSample, North
@@ -28,8 +28,8 @@ ONE = (1.0, 0.0, 0.0, 0.0)
 ZERO = (0.0, 0.0, 0.0)
 REST = (0.0, 0.0, -G_MPS2)
 FIELD = (0.2, 0.0, 0.35)
-STANDING = Aids(stationary=True)
-NO_AIDS = Aids()
+STANDING = FilterInputs(stationary=True)
+NO_AIDS = FilterInputs()
 
 
 def reading(gyro=ZERO, accel=REST, mag=FIELD, saturated=False):
@@ -48,8 +48,8 @@ def run(filter_, steps, state=None, dt_s=0.02, q=ONE):
     return state
 
 
-def moving(speed, **others):
-    return Aids(forward_speed=speed, forward_speed_fresh=True, **others)
+def moving(speed, **lateral):
+    return FilterInputs(BodyVelocity(speed, **lateral))
 
 
 def turning_steps(bank, speed, seconds, dt_s=0.02):
@@ -114,10 +114,7 @@ def test_sideways_motion_is_used_when_it_is_known_and_left_alone_when_not():
     """A copter that accelerates to its right with its nose ahead: V_y grows; a filter that believes V_y = 0 leans."""
 
     def steps(side):
-        return [
-            (reading(accel=(0.0, 1.0, -G_MPS2)), moving(0.0, side_speed=side(0.02 * (k + 1)), down_speed=0.0))
-            for k in range(300)
-        ]
+        return [(reading(accel=(0.0, 1.0, -G_MPS2)), moving(0.0, side=side(0.02 * (k + 1)))) for k in range(300)]
 
     known = run(Leveling(), steps(lambda t: t))
     assumed = run(Leveling(), steps(lambda _: 0.0))
@@ -151,7 +148,7 @@ def test_a_sensor_that_shows_wind_at_rest_does_not_tilt_when_the_vehicle_starts_
 
 
 def replace_aids(aids, stationary):
-    return Aids(aids.forward_speed, aids.forward_speed_fresh, stationary)
+    return FilterInputs(aids.body_velocity, stationary)
 
 
 def test_without_any_speed_it_levels_by_the_mean_specific_force():
@@ -188,7 +185,7 @@ def test_a_vehicle_whose_speed_is_lost_is_taken_to_keep_it():
 
 def test_only_a_fresh_speed_is_a_reading():
     state = run(Leveling(), [(reading(), moving(5.0))] * 10)
-    stale = Leveling().step(state, 0.02, reading(), Aids(forward_speed=50.0))
+    stale = Leveling().step(state, 0.02, reading(), FilterInputs(BodyVelocity(50.0, is_new=False)))
     assert all(isnan(innovation) for innovation in stale.velocity_innovation)
     assert stale.level.velocity[0] == pytest.approx(5.0, abs=0.1)
 
@@ -256,7 +253,7 @@ def test_a_start_in_motion_takes_its_heading_when_the_level_is_found():
 
 
 def test_a_supplied_heading_is_taken_as_it_is():
-    state = Leveling().step(started(Leveling()), 0.02, reading(), Aids(stationary=True, heading=-2.0))
+    state = Leveling().step(started(Leveling()), 0.02, reading(), FilterInputs(stationary=True, heading=-2.0))
     assert heading_between(state.q_nb, ONE) == pytest.approx(-2.0)
 
 
@@ -265,7 +262,7 @@ def test_the_earth_is_not_taken_for_a_turn():
     latitude = radians(60.0)
     earth = rotate_back(ONE, (7.292115e-5 * cos(latitude), 0.0, -7.292115e-5 * sin(latitude)))
     still = reading(earth, mag=None)
-    corrected = run(Leveling(), [(still, Aids(stationary=True, latitude=latitude))] * 6000, dt_s=0.1)
+    corrected = run(Leveling(), [(still, FilterInputs(stationary=True, latitude=latitude))] * 6000, dt_s=0.1)
     ignored = run(Leveling(), [(still, STANDING)] * 6000, dt_s=0.1)
     assert abs(heading_between(corrected.q_nb, ONE)) < radians(0.01)
     assert degrees(heading_between(ignored.q_nb, ONE)) == pytest.approx(-2.17, abs=0.05)
@@ -328,16 +325,14 @@ vectors = st.one_of(
     st.tuples(*[st.floats(-50.0, 50.0)] * 3), st.tuples(numbers, numbers, numbers), st.just(REST), st.just(ZERO)
 )
 speeds = st.one_of(st.floats(-50.0, 50.0), numbers)
+velocities = st.builds(BodyVelocity, speeds, speeds, speeds, st.booleans(), st.booleans())
 aids_of = st.builds(
-    Aids,
-    forward_speed=speeds,
-    forward_speed_fresh=st.booleans(),
+    FilterInputs,
+    body_velocity=st.one_of(st.none(), velocities),
     stationary=st.booleans(),
     latitude=st.one_of(st.just(nan), st.floats(-1.5, 1.5)),
     declination=st.one_of(st.just(nan), st.floats(-3.0, 3.0)),
-    heading=numbers,
-    side_speed=speeds,
-    down_speed=speeds,
+    heading=st.one_of(st.none(), numbers),
 )
 
 
@@ -365,7 +360,7 @@ def test_a_run_cut_in_two_is_the_whole_run_bit_for_bit():
     rng = np.random.default_rng(4)
     gyro, force = rng.normal(0.0, 0.3, (400, 3)).tolist(), (rng.normal(0.0, 0.5, (400, 3)) + REST).tolist()
     steps = [
-        (reading(tuple(g), tuple(f)), Aids(4.0, k % 3 == 0, k > 300, 0.6, 0.1))
+        (reading(tuple(g), tuple(f)), FilterInputs(BodyVelocity(4.0, is_new=k % 3 == 0), k > 300, 0.6, 0.1))
         for k, (g, f) in enumerate(zip(gyro, force, strict=True))
     ]
     whole, half = run(Leveling(), steps), run(Leveling(), steps[:150])
@@ -386,7 +381,7 @@ def test_the_sigma_of_the_tilt_is_honest_on_noise_that_fits():
         force = (rng.normal(0.0, (1e-3 / dt_s) ** 0.5, (300, 3)) + REST).tolist()
         speeds_, sides, downs = rng.normal(0.0, [[0.1], [0.3], [0.3]], (3, 300)).tolist()
         steps = [
-            (reading(tuple(g), tuple(f), None), moving(10.0 + v, side_speed=s, down_speed=d))
+            (reading(tuple(g), tuple(f), None), moving(10.0 + v, side=s, down=d))
             for g, f, v, s, d in zip(gyro, force, speeds_, sides, downs, strict=True)
         ]
         state = run(filter_, steps, q=start)

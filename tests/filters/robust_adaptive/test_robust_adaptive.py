@@ -21,7 +21,7 @@ from attest_mav.algebra import (
 )
 from attest_mav.evaluation.papers.paper2_equations import gain_gap, jacobian_gap, undone_gain
 from attest_mav.evaluation.papers.rotation_stand import PRINTED
-from attest_mav.filters.base import Aids, Start
+from attest_mav.filters.base import FilterInputs, Start
 from attest_mav.filters.robust_adaptive.filter import RobustAdaptive
 from attest_mav.filters.robust_adaptive.model import (
     accel_innovation,
@@ -40,7 +40,7 @@ GYRO = (0.05, -0.02, 0.1)
 ZERO = (0.0, 0.0, 0.0)
 LEVEL = (0.0, 0.0, -G_MPS2)
 NORTH_FIELD = (0.2, 0.0, 0.35)
-NO_AIDS = Aids()
+NO_AIDS = FilterInputs()
 PLAIN = RobustAdaptive(robust=False, adaptive=False)
 
 
@@ -195,7 +195,7 @@ def test_the_printed_factors_undo_each_other(k):
 
 def test_a_heading_outlier_is_rejected_and_moves_nothing():
     state = run(RobustAdaptive(), [reading()] * 100)
-    off = RobustAdaptive().step(state, 0.01, reading(), Aids(heading=radians(40.0)))
+    off = RobustAdaptive().step(state, 0.01, reading(), FilterInputs(heading=radians(40.0)))
     assert isinf(off.inflation[3])
     assert not off.mag_used
     assert off.innovation[3] == pytest.approx(radians(40.0), abs=1e-6)
@@ -204,7 +204,7 @@ def test_a_heading_outlier_is_rejected_and_moves_nothing():
 
 def test_a_doubtful_heading_counts_less_and_a_plain_filter_takes_it_whole():
     state = run(RobustAdaptive(), [reading()] * 100)
-    doubtful = Aids(heading=radians(10.0))
+    doubtful = FilterInputs(heading=radians(10.0))
     taken = PLAIN.step(state, 0.01, reading(), doubtful)
     softened = RobustAdaptive().step(state, 0.01, reading(), doubtful)
     assert softened.inflation[3] > 1.5
@@ -243,8 +243,8 @@ def test_a_vertical_heading_row_cannot_tilt():
     """A supplied heading that is off tilts a banked vehicle with Euler's row, not with the vertical one."""
     banked = q_from_euler(radians(60.0), radians(20.0), 0.0)
     blind = reading(accel=ZERO, mag=None)
-    vertical = run(replace(PLAIN, r_heading=1e-6), [blind], banked, aids=Aids(heading=radians(4.0)))
-    euler = run(replace(PLAIN, printed=True, r_heading=1e-6), [blind], banked, aids=Aids(heading=radians(4.0)))
+    vertical = run(replace(PLAIN, r_heading=1e-6), [blind], banked, aids=FilterInputs(heading=radians(4.0)))
+    euler = run(replace(PLAIN, printed=True, r_heading=1e-6), [blind], banked, aids=FilterInputs(heading=radians(4.0)))
     assert tilt_between(vertical.q_nb, banked) < radians(0.1)
     assert tilt_between(euler.q_nb, banked) > radians(1.0)
 
@@ -328,7 +328,7 @@ vectors = st.one_of(
 def test_whatever_comes_the_state_stays_sound_or_asks_for_a_start(filter_, readings):
     state = started(filter_)
     for gyro, accel, mag, heading, dt_s, saturated in readings:
-        state = filter_.step(state, dt_s, reading(gyro, accel, mag, saturated), Aids(heading=heading))
+        state = filter_.step(state, dt_s, reading(gyro, accel, mag, saturated), FilterInputs(heading=heading))
         if isnan(q_norm(state.q_nb)):
             return
         p = np.array(state.covariance)
@@ -376,7 +376,7 @@ def test_the_sigmas_are_honest_on_noise_that_fits():
         ]
         state = started(filter_)
         for sample, psi in zip(samples, rng.normal(0.0, sqrt(2.7e-3), 600).tolist(), strict=True):
-            state = filter_.step(state, 0.01, sample, Aids(heading=psi))
+            state = filter_.step(state, 0.01, sample, FilterInputs(heading=psi))
         ratios.append(
             (tilt_between(state.q_nb, ONE) / state.tilt_sigma, heading_between(state.q_nb, ONE) / state.heading_sigma)
         )
@@ -386,5 +386,5 @@ def test_the_sigmas_are_honest_on_noise_that_fits():
 
 
 def test_headings_across_south_are_wrapped():
-    south = run(PLAIN, [reading(mag=None)] * 50, q_heading(pi - 0.01), aids=Aids(heading=-pi + 0.01))
+    south = run(PLAIN, [reading(mag=None)] * 50, q_heading(pi - 0.01), aids=FilterInputs(heading=-pi + 0.01))
     assert abs(south.innovation[3]) < 0.02

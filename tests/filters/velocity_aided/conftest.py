@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from attest_mav.algebra import heading_between, q_from_euler, rotate, rotate_back, tilt_between
-from attest_mav.filters.base import Aids, Start
+from attest_mav.filters.base import Airspeed, FilterInputs, Start
 from attest_mav.filters.velocity_aided.filter import VelocityAided
-from attest_mav.types import G_MPS2, ImuSample, North, VelocitySample
+from attest_mav.types import G_MPS2, AirspeedSource, ImuSample, North, Quantum, VelocityOrigin, VelocitySample
 
+RECEIVER = VelocityOrigin.RECEIVER
 DECLINATION = radians(3.0)
 DIP = radians(66.0)
 FIELD = (0.49 * np.cos(DIP) * np.cos(DECLINATION), 0.49 * np.cos(DIP) * np.sin(DECLINATION), 0.49 * np.sin(DIP))
@@ -153,13 +154,22 @@ def telemetered(motion, how):
             next_fix += 0.2
             then = max(0, k - round(how.fix_delay_s / FINE_S))
             v = motion.velocity[then] + rng.normal(0.0, how.fix_noise, 3)
-            fix = VelocitySample("GPS_RAW_INT", 1, 1, round(t * 1e9), 0, (float(v[0]), float(v[1]), 0.0), False)
+            fix = VelocitySample(
+                "GPS_RAW_INT", 1, 1, round(t * 1e9), 0, (float(v[0]), float(v[1]), 0.0), False, RECEIVER
+            )
         flight.samples.append(_sample(how, round(t * 1e9), gyro, accel, field_held))
         ahead = float(np.dot(motion.velocity[k], rotate(tuple(motion.q[k]), (1.0, 0.0, 0.0))))
-        air = {"forward_speed": ahead, "side_speed": 0.0} if how.airspeed else {"side_speed": np.nan}
-        flight.aids.append(Aids(velocity=fix, declination=DECLINATION, inclination=DIP, in_place=False, **air))
+        air = wing(ahead) if how.airspeed else {}
+        flight.aids.append(
+            FilterInputs(velocity=fix, declination=DECLINATION, inclination=DIP, zero_mean_velocity=False, **air)
+        )
         flight.truth.append(tuple(float(x) for x in motion.q[k]))
     return flight
+
+
+def wing(speed):
+    """The inputs of a vehicle that goes where it points, at this airspeed, m/s."""
+    return {"airspeed": Airspeed(speed, AirspeedSource.SENSOR), "goes_where_it_points": True}
 
 
 def _sample(how, t_ns, gyro, accel, mag):
@@ -168,7 +178,8 @@ def _sample(how, t_ns, gyro, accel, mag):
         tuple(float(x) for x in (np.trunc(v / u) * u if u else v))
         for v, u in zip((gyro, accel, mag), units, strict=True)
     ]
-    return ImuSample("RAW_IMU" if how.integer else "HIGHRES_IMU", 1, 1, t_ns, t_ns, *values)
+    source = "RAW_IMU" if how.integer else "HIGHRES_IMU"
+    return ImuSample(source, 1, 1, t_ns, t_ns, *values, quantum=Quantum(*units))
 
 
 def rms(x):

@@ -104,7 +104,7 @@ def test_without_a_velocity_it_waits_for_rest_then_starts_with_what_there_is(pla
 
 def _step(flight, k, state):
     """One step in which no velocity is known."""
-    from attest_mav.filters.base import Aids, Start  # noqa: PLC0415
+    from attest_mav.filters.base import FilterInputs, Start  # noqa: PLC0415
     from attest_mav.filters.velocity_aided.filter import VelocityAided  # noqa: PLC0415
 
     sample = flight.samples[k]
@@ -112,7 +112,9 @@ def _step(flight, k, state):
         return VelocityAided().initial(
             Start((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), North.RELATIVE, sample.accel, sample.mag, at_rest=False)
         )
-    return VelocityAided().step(state, 0.02, sample, Aids(declination=flight.aids[k].declination, in_place=False))
+    return VelocityAided().step(
+        state, 0.02, sample, FilterInputs(declination=flight.aids[k].declination, zero_mean_velocity=False)
+    )
 
 
 def test_at_2_hz_a_start_among_rolls_knows_what_it_has_missed(telemetry):

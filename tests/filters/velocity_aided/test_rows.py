@@ -12,7 +12,7 @@ from attest_mav.filters.velocity_aided.history import Since
 from attest_mav.filters.velocity_aided.nav_state import Motion, reach_of, updated
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.matrices import diagonal
-from attest_mav.types import G_MPS2, VelocitySample
+from attest_mav.types import G_MPS2, VelocityOrigin, VelocitySample
 
 SETTINGS = FlightParameters()
 Q = (0.8, 0.3, -0.4, 0.33)
@@ -52,7 +52,7 @@ def test_velocity_rows(axis):
     """A fix is of an instant 0.25 s ago; since then the vehicle gained u, and turned with the error."""
     gain, force = (1.5, -2.0, -2.6), (4.0, -6.0, -10.0)
     accel = (4.0, -6.0, G_MPS2 - 10.0)
-    fix = VelocitySample("GPS_RAW_INT", 1, 1, 0, 0, (11.0, -3.0, 0.5), True)
+    fix = VelocitySample("GPS_RAW_INT", 1, 1, 0, 0, (11.0, -3.0, 0.5), True, VelocityOrigin.RECEIVER)
     row = velocity_row(motion(), Since(gain, 0.25, force), accel, fix, axis, SETTINGS)
 
     def residual(at):

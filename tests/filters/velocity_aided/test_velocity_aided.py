@@ -10,13 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from attest_mav.algebra import q_norm
-from attest_mav.filters.base import Aids, Start
+from attest_mav.filters.base import FilterInputs, Start
 from attest_mav.filters.velocity_aided.control import Aid
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.types import ImuSample, North, VelocitySample
 
-from .conftest import gusty
+from .conftest import RECEIVER, gusty, wing
 
 
 def rms(x):
@@ -35,17 +35,17 @@ def changed(flight, change):
 def with_reading(sample, **others):
     values = {"gyro": sample.gyro, "accel": sample.accel, "mag": sample.mag, "saturated": sample.saturated}
     values |= others
-    return ImuSample(sample.source, 1, 1, sample.t_ns, sample.rx_ns, **values)
+    return ImuSample(sample.source, 1, 1, sample.t_ns, sample.rx_ns, **values, quantum=sample.quantum)
 
 
 def with_aids(aids, **others):
-    return Aids(
+    return FilterInputs(
         velocity=others.get("velocity", aids.velocity),
         declination=others.get("declination", aids.declination),
         inclination=others.get("inclination", aids.inclination),
-        forward_speed=others.get("forward_speed", aids.forward_speed),
-        side_speed=others.get("side_speed", aids.side_speed),
-        in_place=others.get("in_place", aids.in_place),
+        airspeed=others.get("airspeed", aids.airspeed),
+        goes_where_it_points=others.get("goes_where_it_points", aids.goes_where_it_points),
+        zero_mean_velocity=others.get("zero_mean_velocity", aids.zero_mean_velocity),
     )
 
 
@@ -157,7 +157,7 @@ def test_a_copter_falls_back_on_gravity_after_a_while(copter_log):
 
 
 def test_no_velocity_at_all(copter_log):
-    blind = changed(copter_log, lambda k, s, a: (s, with_aids(a, velocity=None, in_place=k < 500)))
+    blind = changed(copter_log, lambda k, s, a: (s, with_aids(a, velocity=None, zero_mean_velocity=k < 500)))
     states = blind.run()
     tilt, heading = blind.errors(states)
     assert states[300].flying.aid == Aid.REST
@@ -221,14 +221,14 @@ def test_a_gap_keeps_the_bias_and_aligns_again(s_turns, telemetry):
 
 def test_a_wrong_attitude_is_given_up(plane_log):
     """Fixes of another motion contradict the attitude: alignment begins again, and ends when they are right."""
-    north = VelocitySample("GPS_RAW_INT", 1, 1, 0, 0, (0.0, 0.0, 0.0), False)
+    north = VelocitySample("GPS_RAW_INT", 1, 1, 0, 0, (0.0, 0.0, 0.0), False, RECEIVER)
 
     def other(k, sample, aids):
         if not 3000 <= k < 3300:
             return sample, aids
         v = aids.velocity
         turned = (-v.v_ned[1], v.v_ned[0], 0.0)
-        return sample, with_aids(aids, velocity=VelocitySample(v.source, 1, 1, v.t_ns, 0, turned, False))
+        return sample, with_aids(aids, velocity=VelocitySample(v.source, 1, 1, v.t_ns, 0, turned, False, RECEIVER))
 
     assert north.v_ned[0] == 0.0
     states = changed(plane_log, other).run()
@@ -243,7 +243,9 @@ def test_a_wild_fix_now_and_then_does_not_cost_the_attitude(plane_log):
         v = aids.velocity
         if not (1200 <= k < 1400 and k // 10 % 5 == 0):  # one fix in five
             return sample, aids
-        return sample, with_aids(aids, velocity=VelocitySample(v.source, 1, 1, v.t_ns, 0, (650.0, 0.0, 0.0), False))
+        return sample, with_aids(
+            aids, velocity=VelocitySample(v.source, 1, 1, v.t_ns, 0, (650.0, 0.0, 0.0), False, RECEIVER)
+        )
 
     states = changed(plane_log, wild).run(last=1500)
     assert all(s.aligned for s in states[1200:])
@@ -259,7 +261,7 @@ def test_fixes_that_freeze_lead_astray_but_sigma_says_so(plane_log):
         v = aids.velocity
         if not 3000 <= k < 3800:
             return sample, aids
-        still = VelocitySample(v.source, 1, 1, v.t_ns, 0, (20.0, 0.0, 0.0), False)
+        still = VelocitySample(v.source, 1, 1, v.t_ns, 0, (20.0, 0.0, 0.0), False, RECEIVER)
         return sample, with_aids(aids, velocity=still)
 
     states = changed(plane_log, frozen).run(last=5500)
@@ -292,11 +294,11 @@ def test_a_start_in_motion_names_the_velocity_once_it_has_a_row(plane_log):
 
 FLIGHTS = {
     Aid.VELOCITY: {},
-    Aid.REST: {"in_place": True},
+    Aid.REST: {"zero_mean_velocity": True},
     Aid.COASTING: {},
-    Aid.AIRSPEED: {"forward_speed": 20.0, "side_speed": 0.0},
+    Aid.AIRSPEED: wing(20.0),
     Aid.GRAVITY: {},
-    Aid.PLACE: {"in_place": True},
+    Aid.PLACE: {"zero_mean_velocity": True},
 }
 """What each mode needs besides fixes, or their loss."""
 
@@ -349,14 +351,18 @@ def test_no_reading_breaks_it(plane_log, flying, readings):
     t_ns = plane_log.samples[999].t_ns
     for gyro, accel, mag, dt_s, saturated in readings:
         t_ns += round(dt_s * 1e9)
-        state = chosen.step(state, dt_s, ImuSample("RAW_IMU", 1, 1, t_ns, t_ns, gyro, accel, mag, saturated), Aids())
+        state = chosen.step(
+            state, dt_s, ImuSample("RAW_IMU", 1, 1, t_ns, t_ns, gyro, accel, mag, saturated), FilterInputs()
+        )
         assert q_norm(state.q_nb) == pytest.approx(1.0, abs=1e-9)
         assert state.tilt_sigma >= 0.0
     shift = t_ns - plane_log.samples[999].t_ns
     for k in range(1000, 1400):
         sample, fix = plane_log.samples[k], plane_log.aids[k].velocity
-        moved = ImuSample("RAW_IMU", 1, 1, sample.t_ns + shift, 0, sample.gyro, sample.accel, sample.mag)
-        moved_fix = VelocitySample(fix.source, 1, 1, fix.t_ns + shift, 0, fix.v_ned, False)
+        moved = ImuSample(
+            "RAW_IMU", 1, 1, sample.t_ns + shift, 0, sample.gyro, sample.accel, sample.mag, quantum=sample.quantum
+        )
+        moved_fix = VelocitySample(fix.source, 1, 1, fix.t_ns + shift, 0, fix.v_ned, False, RECEIVER)
         state = chosen.step(state, 0.02, moved, with_aids(plane_log.aids[k], velocity=moved_fix))
     assert state.aligned
 
@@ -386,13 +392,13 @@ def test_a_dead_accelerometer_gives_no_attitude_and_does_no_harm(plane_log, has_
 @pytest.mark.parametrize("speed", [nan, inf, 1e30])
 def test_a_speed_that_is_none_is_not_read(plane_log, speed):
     """As a velocity, and as an airspeed when there is none."""
-    lost = VelocitySample("GPS_RAW_INT", 1, 1, 0, 0, (speed, 0.0, 0.0), False)
+    lost = VelocitySample("GPS_RAW_INT", 1, 1, 0, 0, (speed, 0.0, 0.0), False, RECEIVER)
 
     def change(k, sample, aids):
         if k < 1500:
             return sample, aids
-        late = VelocitySample(lost.source, 1, 1, sample.t_ns, 0, lost.v_ned, False)
-        return sample, with_aids(aids, velocity=late, forward_speed=speed, side_speed=0.0)
+        late = VelocitySample(lost.source, 1, 1, sample.t_ns, 0, lost.v_ned, False, RECEIVER)
+        return sample, with_aids(aids, velocity=late, **wing(speed))
 
     flight = changed(plane_log, change)
     states = flight.run(first=1000, last=1800)
@@ -408,8 +414,10 @@ def test_a_start_without_a_force_waits(plane_log, falls):
     state = None
     for k, sample in enumerate(plane_log.samples[1000:1500]):
         v = (0.0, 0.0, 9.80665 * sample.t_ns * 1e-9 if falls else 0.0)
-        fix = VelocitySample("GPS_RAW_INT", 1, 1, sample.t_ns, 0, v, True)
-        nothing = ImuSample("RAW_IMU", 1, 1, sample.t_ns, 0, sample.gyro, (0.0, 0.0, 0.0), sample.mag)
+        fix = VelocitySample("GPS_RAW_INT", 1, 1, sample.t_ns, 0, v, True, RECEIVER)
+        nothing = ImuSample(
+            "RAW_IMU", 1, 1, sample.t_ns, 0, sample.gyro, (0.0, 0.0, 0.0), sample.mag, quantum=sample.quantum
+        )
         if k == 0:
             state = VelocityAided().initial(
                 Start((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), North.RELATIVE, nothing.accel, None, at_rest=False)
@@ -426,8 +434,8 @@ def test_a_clock_that_wraps_costs_no_fixes(plane_log):
     def change(_k, sample, aids):
         shift = wrap - 40 * 10**9
         fix, t_ns = aids.velocity, (sample.t_ns + shift) % wrap
-        late = VelocitySample(fix.source, 1, 1, (fix.t_ns + shift) % wrap, 0, fix.v_ned, False)
-        moved = ImuSample("RAW_IMU", 1, 1, t_ns, 0, sample.gyro, sample.accel, sample.mag)
+        late = VelocitySample(fix.source, 1, 1, (fix.t_ns + shift) % wrap, 0, fix.v_ned, False, RECEIVER)
+        moved = ImuSample("RAW_IMU", 1, 1, t_ns, 0, sample.gyro, sample.accel, sample.mag, quantum=sample.quantum)
         return moved, with_aids(aids, velocity=late)
 
     flight = changed(plane_log, change)
@@ -483,7 +491,7 @@ def test_an_hour_on_the_ground_teaches_nothing_of_the_sensors(telemetry, copter)
                 ((0.0, 0.0, 0.0), 0.07),
             )
         )
-        fix = VelocitySample("GPS_RAW_INT", 1, 1, t_ns, 0, (v[0], v[1], 0.0), False)
+        fix = VelocitySample("GPS_RAW_INT", 1, 1, t_ns, 0, (v[0], v[1], 0.0), False, RECEIVER)
         state = chosen.step(
             state, 0.25, ImuSample("HIGHRES_IMU", 1, 1, t_ns, t_ns, gyro, accel, mag), with_aids(aids, velocity=fix)
         )

@@ -4,20 +4,19 @@ from math import inf, nan
 
 import pytest
 
-from attest_mav.filters.base import VehicleFacts
 from attest_mav.mavlink.component.companion import CompanionSettings
 from attest_mav.mavlink.component.vehicle_data import DataSettings
-from attest_mav.types import ParameterSample, Setting
+from attest_mav.types import ParameterSample, Setting, VehicleSettings
 
-BOTH = VehicleFacts(20.0, 0.1)
+BOTH = VehicleSettings(20.0, 0.1)
 
 
 @pytest.fixture
 def curious(bench):
     """A bench whose filter wants to know these settings."""
 
-    def make(assumed=BOTH, asks=True, **others):
-        return bench(CompanionSettings(data=DataSettings(asks=asks, assumed=assumed), **others))
+    def make(default_settings=BOTH, asks=True, **others):
+        return bench(CompanionSettings(data=DataSettings(asks=asks, default_settings=default_settings), **others))
 
     return make
 
@@ -60,9 +59,9 @@ def test_nothing_is_asked_before_there_is_a_vehicle(curious):
 @pytest.mark.parametrize(
     ("assumed", "autopilot", "expected"),
     [
-        (VehicleFacts(), 3, []),
-        (VehicleFacts(nan, 0.1), 3, ["GPS1_DELAY_MS"]),
-        (VehicleFacts(20.0, nan), 3, ["INS_GYRO_FILTER"]),
+        (VehicleSettings(), 3, []),
+        (VehicleSettings(nan, 0.1), 3, ["GPS1_DELAY_MS"]),
+        (VehicleSettings(20.0, nan), 3, ["INS_GYRO_FILTER"]),
         (BOTH, 12, ["EKF2_GPS_DELAY"]),
         (BOTH, 0, []),
     ],
@@ -85,7 +84,7 @@ def test_who_asks_for_nothing_asks_for_no_parameters_and_listens(curious):
 def test_parameter_values_are_only_framed_for_a_filter_that_wants_them(curious, dialect):
     identifier = dialect.id_of("PARAM_VALUE")
     assert identifier in curious().companion.wanted
-    assert identifier not in curious(VehicleFacts()).companion.wanted
+    assert identifier not in curious(VehicleSettings()).companion.wanted
 
 
 def test_an_answer_ends_the_asking_and_is_said_once(curious):
@@ -113,7 +112,7 @@ def test_a_change_is_said(curious):
 
 
 def test_a_default_that_the_autopilot_does_not_tell_is_an_answer(curious):
-    b = curious(VehicleFacts(nan, 0.1))
+    b = curious(VehicleSettings(nan, 0.1))
     beat_until(b, 0.5)
     tell(b, "GPS1_DELAY_MS", Setting.FIX_DELAY_S, nan)
     beat_until(b, 20.0)
@@ -124,7 +123,7 @@ def test_a_default_that_the_autopilot_does_not_tell_is_an_answer(curious):
 
 
 def test_a_silent_autopilot_is_asked_ever_more_seldom_by_each_name_and_then_let_be(curious):
-    b = curious(VehicleFacts(nan, 0.1))
+    b = curious(VehicleSettings(nan, 0.1))
     count, times = 0, []
     b.vehicle_heartbeat()
     while b.now_ns < 120e9:
@@ -140,7 +139,7 @@ def test_a_silent_autopilot_is_asked_ever_more_seldom_by_each_name_and_then_let_
 
 
 def test_a_reboot_and_a_return_ask_again(curious):
-    b = curious(VehicleFacts(20.0, nan))
+    b = curious(VehicleSettings(20.0, nan))
     beat_until(b, 0.5)
     tell(b, "INS_GYRO_FILTER", Setting.LOW_PASS_HZ, 20.0)
     beat_until(b, 2.0)
@@ -157,7 +156,7 @@ def test_a_reboot_and_a_return_ask_again(curious):
 
 
 def test_nobody_is_asked_while_the_vehicle_is_silent(curious):
-    b = curious(VehicleFacts(20.0, nan))
+    b = curious(VehicleSettings(20.0, nan))
     b.vehicle_heartbeat()
     b.run_until(60.0)
     assert len(names(b)) <= 3
@@ -165,7 +164,7 @@ def test_nobody_is_asked_while_the_vehicle_is_silent(curious):
 
 
 def test_another_vehicle_is_asked_anew(curious):
-    b = curious(VehicleFacts(20.0, nan))
+    b = curious(VehicleSettings(20.0, nan))
     beat_until(b, 0.5, component=140)
     assert names(b) == [], "a component that is not the autopilot is waited with"
     beat_until(b, 3.8, component=140)

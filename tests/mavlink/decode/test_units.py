@@ -349,6 +349,14 @@ def test_sensors_of_one_message_are_sources_of_their_own(vehicle):
     assert sorted({sample.source for sample in samples}) == ["HIGHRES_IMU", "HIGHRES_IMU#2"]
 
 
+def test_every_sensor_says_the_resolution_of_its_readings(vehicle):
+    copter = vehicle(ARDUPILOT)
+    for sample in (s for n in range(10) for s in copter.hear(raw_imu(n, sensor=n % 2))):
+        assert (sample.quantum.gyro, sample.quantum.accel, sample.quantum.mag) == (1e-3, 1e-3 * G, 1e-3)
+    for sample in (s for n in range(10) for s in copter.hear(highres(n, sensor=2 * (n % 2)))):
+        assert (sample.quantum.gyro, sample.quantum.accel, sample.quantum.mag) == (0.0, 0.0, 0.0)
+
+
 def test_each_system_has_its_own_units(dialect, sender, make_sender):
     both = Vehicle(dialect, sender, ARDUPILOT)
     px4 = make_sender(2, 1)

@@ -16,10 +16,8 @@ from attest_mav.filters.velocity_aided.covariance import Row
 from attest_mav.filters.velocity_aided.history import Since, Track, since
 from attest_mav.filters.velocity_aided.nav_state import STILL_ACCEL, Motion, reach_of, shown, taken, with_fix_delay
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.types import Vec3, VelocitySample
+from attest_mav.types import Vec3, VelocityOrigin, VelocitySample
 
-RECEIVER: Final = "GPS_RAW_INT"
-"""The message whose velocity is the receiver's own; others come out of the autopilot's filter."""
 POWER_SHARE: Final = 0.05
 """Share of a new innovation in their remembered mean square."""
 POWER_STEP: Final = 4.0
@@ -85,12 +83,12 @@ def measured_at(fix: VelocitySample, delay_s: float, settings: FlightParameters)
 
 def usual_delay_s(fix: VelocitySample, settings: FlightParameters) -> float:
     """Delay of such fixes before it is estimated, s."""
-    return settings.fix_delay_s if fix.source == RECEIVER else settings.own_delay_s
+    return settings.fix_delay_s if fix.origin == VelocityOrigin.RECEIVER else settings.own_delay_s
 
 
 def usual_delay_sigma(fix: VelocitySample, settings: FlightParameters) -> float:
     """How well that is known, s."""
-    return settings.fix_delay_sigma if fix.source == RECEIVER else settings.own_delay_sigma
+    return settings.fix_delay_sigma if fix.origin == VelocityOrigin.RECEIVER else settings.own_delay_sigma
 
 
 def low_pass_delay_s(settings: FlightParameters) -> float:

@@ -17,7 +17,7 @@ from attest_mav.algebra import clamp, cross, dot, mat_vec, norm, q_exp, q_mul, q
 from attest_mav.filters.velocity_aided.covariance import Row
 from attest_mav.filters.velocity_aided.nav_state import STILL_RATE, Motion, reach_of, shown, taken
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.filters.velocity_aided.prediction import INTEGER_MESSAGES, MAG_UNIT, dequantised
+from attest_mav.filters.velocity_aided.prediction import dequantised
 from attest_mav.matrices import mat_t_vec
 from attest_mav.types import ImuSample, Vec3
 
@@ -86,7 +86,7 @@ def field_of(sample: ImuSample) -> Vec3 | None:
     mag = sample.mag
     if mag is None or not 0.0 < norm(mag) < MAX_FIELD:
         return None
-    return dequantised(mag, MAG_UNIT) if sample.source in INTEGER_MESSAGES else mag
+    return dequantised(mag, sample.quantum.mag)
 
 
 def is_due(compass: Compass, sample: ImuSample, dt_s: float, settings: FlightParameters) -> bool:

@@ -1,30 +1,31 @@
-"""One filter on a lane, with its state and what it last put out."""
+"""The filter of a lane, with its state and its last output."""
 
 from math import atan2, isfinite
 from typing import Final
 
 from attest_mav.algebra import q_continuous, q_heading, q_mul, q_to_euler, rotate, sub
-from attest_mav.filters.base import AttitudeFilter, FilterState, Start, VehicleFacts
-from attest_mav.types import Estimate, ImuSample, North, Quat, Vec3
+from attest_mav.filters.base import AttitudeFilter, FilterState, Start
+from attest_mav.types import Estimate, ImuSample, North, Quat, Vec3, VehicleSettings
 
 
-class Track:
-    """The filter runs once ``state`` is there. north: what its heading refers to, before any declination.
-
-    output: the last attitude put out. aligned: what a filter that aligns itself last said of it.
-    """
+class FilterRun:
+    """A filter that runs once ``state`` is there."""
 
     def __init__(self, attitude_filter: AttitudeFilter) -> None:
         self.filter = attitude_filter
+        """The filter with the vehicle's settings in it."""
         self.state: FilterState | None = None
         self.north = North.RELATIVE
+        """The north of its heading, before any declination."""
         self.output: Quat = (1.0, 0.0, 0.0, 0.0)
+        """The last attitude put out."""
         self.aligned = False
-        self._uninformed: Final = attitude_filter
+        """Whether a filter that aligns itself had an attitude at the last step."""
+        self._as_configured: Final = attitude_filter
 
-    def inform(self, facts: VehicleFacts) -> None:
-        """Tell the filter the vehicle's settings: those that are not known any more become its own again."""
-        self.filter = self._uninformed.informed(facts)
+    def set_vehicle_settings(self, known: VehicleSettings) -> None:
+        """Give the filter the vehicle's settings; those that are not known any more become its own again."""
+        self.filter = self._as_configured.with_vehicle_settings(known)
 
     def begin(self, start: Start, stands: bool) -> None:
         """Start the filter, with what an earlier state still knows.

@@ -1,0 +1,78 @@
+"""Whether the sensors of a lane are quiet, and the inputs of its filter that follow from it."""
+
+from typing import Final
+
+from attest_mav.algebra import norm
+from attest_mav.estimation.vehicle import Vehicle
+from attest_mav.filters.base import BodyVelocity, FilterInputs
+from attest_mav.types import G_MPS2, ImuSample, North, Quat, Sample
+
+STILL_GYRO: Final = 0.05
+"""rad/s."""
+STILL_ACCEL: Final = 0.3
+"""m/s^2: distance of the specific force's length from g."""
+STILL_AFTER_S: Final = 1.0
+"""Rest is believed after this long; it is over at the first reading beyond twice the limits."""
+
+
+class QuietSensors:
+    """Follows one lane's readings, with hysteresis."""
+
+    def __init__(self) -> None:
+        self._quiet_s = 0.0
+        self.quiet = False
+
+    def advance(self, sample: ImuSample, dt_s: float) -> None:
+        """Go on to this sample, ``dt_s`` after the one before."""
+        gyro = norm(sample.gyro)
+        accel = abs(norm(sample.accel) - G_MPS2)
+        if gyro < STILL_GYRO and accel < STILL_ACCEL:
+            self._quiet_s += dt_s
+            self.quiet = self.quiet or self._quiet_s >= STILL_AFTER_S
+        elif not (gyro < 2.0 * STILL_GYRO and accel < 2.0 * STILL_ACCEL):
+            self._quiet_s = 0.0
+            self.quiet = False
+
+
+class LaneInputs:
+    """What the vehicle and the lane's own readings tell its filter, and which of it is new to the filter."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        self._vehicle: Final = vehicle
+        self._sensors: Final = QuietSensors()
+        self._speed_given: Sample | None = None
+
+    def advance(self, sample: ImuSample, dt_s: float) -> None:
+        """Go on to the next inertial sample."""
+        self._sensors.advance(sample, dt_s)
+
+    @property
+    def stationary(self) -> bool:
+        """True while the vehicle stands still. Disarmed, quiet sensors suffice.
+
+        Armed or of unknown state, a speed is needed as well: hovering is quiet too.
+        """
+        return self._sensors.quiet and self._vehicle.stands is True
+
+    def give(self, sample: ImuSample, q_nb: Quat, north: North) -> FilterInputs:
+        """The inputs at this sample for a filter that holds this attitude; a speed is new once."""
+        vehicle, now_ns = self._vehicle, sample.rx_ns
+        moving = vehicle.body_velocity(now_ns, q_nb, north)
+        body_velocity: BodyVelocity | None = None
+        if moving is not None:
+            v = moving.velocity
+            is_new = moving.sample is not self._speed_given
+            body_velocity = BodyVelocity(v.forward, v.side, v.down, v.lateral_known, is_new)
+            self._speed_given = moving.sample
+        return FilterInputs(
+            body_velocity,
+            self.stationary,
+            vehicle.latitude,
+            vehicle.field.declination,
+            vehicle.velocity(now_ns),
+            None,
+            vehicle.field.inclination,
+            vehicle.airspeed(now_ns),
+            vehicle.goes_where_it_points,
+            vehicle.zero_mean_velocity(now_ns),
+        )
