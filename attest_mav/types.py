@@ -375,7 +375,7 @@ class Estimate:
     angular rate, rad/s. north: what the heading refers to. tilt_sigma, heading_sigma: 1-sigma, rad, NaN where the
     filter has no covariance. dt_s: the step that led here, s. delay_s: how much later than usual the sample came, s.
     velocity_nis, field_nis: normalised innovation squared of the velocity and of the magnetometer in this step, mean of
-    the axes; NaN where the step had none. aided: a velocity over ground tells acceleration from tilt.
+    the axes; NaN where the step had none. sigma_is_proven: the sigmas cover the errors in flight too.
     """
 
     def __init__(
@@ -393,7 +393,7 @@ class Estimate:
         delay_s: float = 0.0,
         velocity_nis: float = nan,
         field_nis: float = nan,
-        aided: bool = False,
+        sigma_is_proven: bool = False,
     ) -> None:
         self.lane: Final = lane
         self.filter_name: Final = filter_name
@@ -408,4 +408,4 @@ class Estimate:
         self.delay_s: Final = delay_s
         self.velocity_nis: Final = velocity_nis
         self.field_nis: Final = field_nis
-        self.aided: Final = aided
+        self.sigma_is_proven: Final = sigma_is_proven

@@ -110,8 +110,8 @@ class VerdictConfig(_Record, frozen=True):
     """
 
     tilt_deg: Literal["auto"] | Annotated[float, Meta(gt=0.0, le=90.0)] = "auto"
-    hold_s: Annotated[float, Meta(ge=0.0, le=60.0)] = 1.0
-    release: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.7
+    hold_s: Annotated[float, Meta(ge=0.0, le=60.0)] = 0.6
+    release: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.9
     max_sigma_deg: Annotated[float, Meta(gt=0.0, le=90.0)] = 5.0
     stale_s: Seconds = 1.0
 
@@ -146,7 +146,7 @@ class Config(_Record, frozen=True):
         tilt_deg = self.verdict.tilt_deg
         verdict = VerdictSettings(
             tilt=VerdictSettings().tilt if tilt_deg == "auto" else radians(tilt_deg),
-            aided_tilt=VerdictSettings().aided_tilt if tilt_deg == "auto" else radians(tilt_deg),
+            proven_tilt=VerdictSettings().proven_tilt if tilt_deg == "auto" else radians(tilt_deg),
             hold_s=self.verdict.hold_s,
             release=self.verdict.release,
             max_sigma=radians(self.verdict.max_sigma_deg),

@@ -47,14 +47,23 @@ class Agreement(IntEnum):
 
 
 class Verdict:
-    """Whether the autopilot's attitude agrees with ours, and why we say so.
+    """Whether the autopilot's attitude agrees with ours, and the reason.
 
     reason: a code for machines, one of ``attest_mav.estimation.verdict.REASONS``. tilt, heading: the differences,
-    rad, NaN where they cannot be compared. source: the message judged.
+    rad, NaN where they cannot be compared. source: the message judged. offset: roll and pitch of a steady offset that
+    was found where the autopilot's trim is not known, rad; None without one.
     """
 
     def __init__(
-        self, agreement: Agreement, reason: str, tilt: float, heading: float, source: str, t_ns: int, rx_ns: int
+        self,
+        agreement: Agreement,
+        reason: str,
+        tilt: float,
+        heading: float,
+        source: str,
+        t_ns: int,
+        rx_ns: int,
+        offset: tuple[float, float] | None = None,
     ) -> None:
         self.agreement: Final = agreement
         self.reason: Final = reason
@@ -63,6 +72,7 @@ class Verdict:
         self.source: Final = source
         self.t_ns: Final = t_ns
         self.rx_ns: Final = rx_ns
+        self.offset: Final = offset
 
 
 Event = Estimate | LaneEvent | Verdict

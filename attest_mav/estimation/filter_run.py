@@ -73,7 +73,7 @@ class FilterRun:
             delay_s,
             state.velocity_nis,
             state.field_nis,
-            state.aided,
+            state.sigma_is_proven,
         )
 
 

@@ -59,6 +59,11 @@ class Lane:
         return self._aligned
 
     @property
+    def interval_s(self) -> float:
+        """The usual interval of the sensor's samples, s; 0 while it is not known."""
+        return self._timebase.usual_s
+
+    @property
     def rests_on(self) -> str:
         """The aiding of the filter, see ``FilterState.rests_on``; "" before it runs."""
         state = self._run.state

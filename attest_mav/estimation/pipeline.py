@@ -7,17 +7,15 @@ given the first stream that arrives; it alone is published and compared with the
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import nan
 from typing import Final
 
-from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
+from attest_mav.estimation.attitude_check import STALE_INTERVALS, AttitudeCheck
+from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.lane import Lane
 from attest_mav.estimation.vehicle import AidSettings, Vehicle
-from attest_mav.estimation.verdict import Judge, VerdictSettings
+from attest_mav.estimation.verdict import VerdictSettings
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.types import (
-    AttitudeForm,
-    AttitudeRole,
     AttitudeSample,
     EarthField,
     Estimate,
@@ -58,15 +56,10 @@ class Pipeline:
         """What is known of the vehicle, shared by all lanes."""
         self.estimate: Estimate | None = None
         """Newest valid estimate of the primary lane, else None. Late ones are returned by ``handle`` but not kept."""
-        self.verdict: Verdict | None = None
-        """The newest verdict."""
         self._settings = settings
         self._filter = attitude_filter
         self._sources = list(sources)
-        self._judge = Judge(settings.verdict)
-        self._attitude_form = AttitudeForm.EULER
-        self._attitude_source = ""
-        self._attitude_rx_ns = -1
+        self._check = AttitudeCheck(settings.verdict)
 
     @property
     def primary(self) -> str:
@@ -88,7 +81,7 @@ class Pipeline:
         if isinstance(sample, ImuSample):
             return self._handle_imu(sample)
         if isinstance(sample, AttitudeSample):
-            return self._handle_attitude(sample)
+            return [*self._check.take(sample)]
         self.vehicle.take(sample)
         if isinstance(sample, ParameterSample):
             self.set_vehicle_settings(self.vehicle.settings)
@@ -96,28 +89,28 @@ class Pipeline:
 
     def poll(self, now_ns: int) -> list[Event]:
         """What follows from nothing having come until ``now_ns`` (host clock)."""
-        events: list[Event] = []
         estimate = self.estimate
-        if estimate is not None and now_ns >= estimate.rx_ns + self._stale_ns():
-            self.estimate = None
-            self._judge.forget_estimate()
-            text = f"no usable sample for {self._settings.stale_s:g} s: nothing is published"
-            events.append(LaneEvent(estimate.lane, LaneEventKind.STOPPED, estimate.t_ns, now_ns, text))
-            events.append(self._undecided("no-estimate", now_ns))
-        elif self._attitude_rx_ns >= 0 and now_ns >= self._reference_deadline_ns():
-            self._attitude_rx_ns = -1
-            events.append(self._undecided("no-reference", now_ns))
-        return events
+        if estimate is None or now_ns < estimate.rx_ns + self._stale_ns():
+            return [*self._check.poll(now_ns)]
+        self.estimate = None
+        self._check.judge.forget_estimate()
+        text = f"no usable sample for {1e-9 * self._stale_ns():.3g} s: nothing is published"
+        stopped = LaneEvent(estimate.lane, LaneEventKind.STOPPED, estimate.t_ns, now_ns, text)
+        return [stopped, self._check.undecided("no-estimate", now_ns)]
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """The newest verdict."""
+        return self._check.verdict
 
     @property
     def next_deadline_ns(self) -> int | None:
         """When ``poll`` has something to say if nothing comes, on the host clock; None while nothing is pending."""
-        deadlines = []
-        if self.estimate is not None:
-            deadlines.append(self.estimate.rx_ns + self._stale_ns())
-        if self._attitude_rx_ns >= 0:
-            deadlines.append(self._reference_deadline_ns())
-        return min(deadlines) if deadlines else None
+        reference_ns = self._check.deadline_ns
+        if self.estimate is None:
+            return reference_ns
+        estimate_ns = self.estimate.rx_ns + self._stale_ns()
+        return estimate_ns if reference_ns is None else min(estimate_ns, reference_ns)
 
     def _handle_imu(self, sample: ImuSample) -> list[Event]:
         """Run the sample's lane; publish and remember what the primary lane says."""
@@ -133,39 +126,23 @@ class Pipeline:
         taken = lane.samples
         events = lane.handle(sample)
         if source == self._sources[0] and lane.samples > taken:
-            self._follow_primary(events)
+            events += self._follow_primary(events)
         return events
 
-    def _follow_primary(self, events: list[Event]) -> None:
+    def _follow_primary(self, events: list[Event]) -> list[Event]:
         """Take over the primary lane's new estimate; there is none while its filter aligns."""
         for event in events:
             if isinstance(event, Estimate):
-                if event.delay_s <= self._settings.stale_s:
-                    self.estimate = event
-                    self._judge.take_estimate(event)
-                return
+                if 1e9 * event.delay_s > self._stale_ns():
+                    return []
+                self.estimate = event
+                return [*self._check.take_estimate(event)]
         self.estimate = None
-        self._judge.forget_estimate()
-
-    def _handle_attitude(self, sample: AttitudeSample) -> list[Event]:
-        """Judge the autopilot's attitude: as a quaternion where it is sent as one, else as Euler angles."""
-        if sample.role != AttitudeRole.AUTOPILOT:
-            return []
-        preferred = sample.form >= self._attitude_form
-        if not preferred and sample.rx_ns < self._reference_deadline_ns():
-            return []
-        self._attitude_form = sample.form
-        self._attitude_source = sample.source
-        self._attitude_rx_ns = sample.rx_ns
-        self.verdict = self._judge.judge(sample)
-        return [self.verdict]
-
-    def _undecided(self, reason: str, now_ns: int) -> Verdict:
-        self.verdict = Verdict(Agreement.UNDECIDED, reason, nan, nan, self._attitude_source, -1, now_ns)
-        return self.verdict
+        self._check.judge.forget_estimate()
+        return []
 
     def _stale_ns(self) -> int:
-        return int(self._settings.stale_s * _NS)
-
-    def _reference_deadline_ns(self) -> int:
-        return self._attitude_rx_ns + int(self._settings.verdict.stale_s * _NS)
+        """Without a sample for this long there is no estimate, ns: a slow stream has its own intervals."""
+        lane = self.lanes.get(self.primary)
+        usual_s = 0.0 if lane is None else lane.interval_s
+        return int(_NS * max(self._settings.stale_s, STALE_INTERVALS * usual_s))

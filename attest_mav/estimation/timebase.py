@@ -10,7 +10,9 @@ of 4 Hz has no gaps in it; it is slow."""
 USUAL_SHARE: Final = 0.1
 """Share of a new step in the running mean that is the usual one."""
 RESTART_S: Final = 1.0
-"""After a longer one the motion in between is lost: the filter starts again."""
+"""After a longer gap the motion in between is lost: the filter starts again. A stream of 1 Hz has no gaps in it."""
+LONGEST_STEP_S: Final = 3.0
+"""After a longer step it is lost whatever the stream's interval is."""
 LATE_LIMIT: Final = 10
 """So many late samples in a row are no disorder: the clock has been set back, by less than a reboot shows."""
 
@@ -29,7 +31,7 @@ class StepKind(IntEnum):
     STEP = 1
     """An ordinary step."""
     GAP = 2
-    """A step much longer than usual, of at most ``RESTART_S``."""
+    """A step much longer than usual: samples are missing."""
     RESTART = 3
     """A longer one."""
     REBOOT = 4
@@ -63,7 +65,8 @@ class TimeBase:
     def __init__(self) -> None:
         self._last_ns = -1
         self._wrapped_ns = 0
-        self._usual_s = 0.0
+        self.usual_s = 0.0
+        """The usual step, s; 0 while it is not known."""
         self._late_count = 0
 
     def advance(self, t_ns: int) -> TimeStep:
@@ -92,8 +95,11 @@ class TimeBase:
 
     def _kind(self, dt_s: float) -> StepKind:
         """STEP, GAP or RESTART, by the length of a forward step; learns what is usual."""
-        if dt_s > RESTART_S:
+        if dt_s > LONGEST_STEP_S:
             return StepKind.RESTART
-        usual_s = self._usual_s if self._usual_s > 0.0 else dt_s
-        self._usual_s = usual_s + USUAL_SHARE * (dt_s - usual_s)
-        return StepKind.GAP if dt_s > GAP_S and dt_s > GAP_PERIODS * usual_s else StepKind.STEP
+        usual_s = self.usual_s if self.usual_s > 0.0 else dt_s
+        missing = dt_s > GAP_S and dt_s > GAP_PERIODS * usual_s
+        if missing and dt_s > RESTART_S:
+            return StepKind.RESTART
+        self.usual_s = usual_s + USUAL_SHARE * (dt_s - usual_s)
+        return StepKind.GAP if missing else StepKind.STEP

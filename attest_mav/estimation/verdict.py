@@ -1,17 +1,24 @@
 """The verdict: whether the autopilot's attitude agrees with ours.
 
-Tilt and heading are judged apart, never as Euler differences. A difference counts when it exceeds the larger of a
-threshold and three of our own sigmas, and when it does so for a hold time. The estimate is carried to the time of
-the autopilot's message with its own rates, so that fast motion is not mistaken for disagreement.
+Tilt and heading are judged apart, never as Euler differences. Evidence is time, by the autopilot's own time stamps:
+it grows while the attitude differs from every attitude of ours that is not refuted, and falls while it does not, so
+that a repeated or an agreeing frame in between erases nothing.
+
+AGREE claims that both attitudes are good to the threshold, so our own sigma has to be small enough to say so.
+DISAGREE needs a difference above the threshold and above what our sigma explains, for a time. UNDECIDED is the rest,
+with the reason.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite, nan, radians
+from math import hypot, isfinite, nan, radians
 from typing import Final
 
-from attest_mav.algebra import heading_between, norm, q_exp, q_mul, scale, tilt_between
+from attest_mav.algebra import heading_between, q_mul, tilt_between
 from attest_mav.estimation.events import Agreement, Verdict
-from attest_mav.estimation.timebase import wrapped_difference_ns
+from attest_mav.estimation.offset import OffsetMonitor
+from attest_mav.estimation.pairing import Carried, Pairing
+from attest_mav.estimation.reference import Reference
 from attest_mav.types import AttitudeSample, Estimate, North, Quat
 
 REASONS: Final = (
@@ -19,126 +26,205 @@ REASONS: Final = (
     "tilt",
     "heading",
     "frozen",
+    "offset",
+    "settling",
+    "disputed",
+    "heading-uncertain",
+    "low-confidence",
+    "low-rate",
     "no-estimate",
     "no-reference",
-    "low-confidence",
-    "settling",
 )
-"""The codes of ``Verdict.reason``. "settling" means a change of verdict is being held for the hold time."""
+"""The codes of ``Verdict.reason``. settling: a difference has not lasted long enough to count, or an offset is being
+measured. disputed: our own attitudes differ on it. offset: a steady one, as a trim that is not known makes it."""
 
-MAX_PAIRING_S: Final = 0.3
-"""An estimate is carried over at most this time to meet a reference, s."""
-FROZEN_COUNT: Final = 3
-"""Bit-identical attitudes in a row while the vehicle turns: an autopilot that works never sends two."""
-FROZEN_RATE: Final = 0.02
-"""rad/s."""
+TILT_SIGMAS: Final = 2.0
+HEADING_SIGMAS: Final = 3.0
+"""A difference must exceed this many of our sigmas. Heading errors last longer than tilt errors."""
+SLOW_S: Final = 0.1
+"""Inertial samples further apart hide motion: a lack of confidence is then put down to the rate."""
 
 
 @dataclass(frozen=True)
 class VerdictSettings:
-    """tilt: threshold, rad; the heading's is twice that. aided_tilt: the same while our own attitude is ``aided``.
-
-    Aided, 3 degrees are cautious for real sensors; without a velocity filters err by degrees in flight, and the
-    threshold is ArduPilot's own before arming. hold_s: a difference must last this long to count.
-    release: share of the threshold below which a disagreement ends. max_sigma: above this tilt sigma of our own,
-    rad, there is no verdict. stale_s: a reference older than this is no reference.
-    """
+    """When the autopilot counts as wrong; angles in rad, the heading's threshold is twice the tilt's."""
 
     tilt: float = radians(10.0)
-    aided_tilt: float = radians(3.0)
-    hold_s: float = 1.0
-    release: float = 0.7
+    """Threshold beside a filter whose sigma does not cover its errors in flight (ArduPilot's own before arming)."""
+    proven_tilt: float = radians(3.0)
+    """The same beside a filter whose sigma does, see ``FilterState.sigma_is_proven``."""
+    hold_s: float = 0.6
+    """A difference must have been there for this long, less the time that it was not."""
+    release: float = 0.9
+    """Share of the limits below which a difference is over while DISAGREE stands."""
     max_sigma: float = radians(5.0)
+    """Above this tilt sigma of our own there is no verdict."""
+    agree_sigma: float = radians(2.0)
+    """Above this tilt sigma of our own there is no AGREE."""
     stale_s: float = 1.0
+    """A reference older than this is none, unless the autopilot sends it at longer intervals."""
+
+
+class Member:
+    """One attitude that is not refuted, as it stands beside the selected estimate.
+
+    turn: body-side rotation from the selected attitude to this one. tilt_sigma, heading_sigma: rad.
+    """
+
+    def __init__(self, turn: Quat, tilt_sigma: float, heading_sigma: float) -> None:
+        self.turn: Final = turn
+        self.tilt_sigma: Final = tilt_sigma
+        self.heading_sigma: Final = heading_sigma
+
+
+class Difference:
+    """The autopilot's attitude beside one of ours.
+
+    tilt: rad, never negative. heading: rad, NaN without a common north. is_off: beyond what our sigma explains.
+    is_near: within the thresholds. reason: of the larger offence.
+    """
+
+    def __init__(self, tilt: float, heading: float, is_off: bool, is_near: bool, reason: str) -> None:
+        self.tilt: Final = tilt
+        self.heading: Final = heading
+        self.is_off: Final = is_off
+        self.is_near: Final = is_near
+        self.reason: Final = reason
 
 
 class Judge:
-    """Pairs the newest estimate with the autopilot's attitudes as they come."""
+    """Weighs the autopilot's attitudes against the set of ours as both come."""
 
     def __init__(self, settings: VerdictSettings) -> None:
-        self._settings = settings
-        self._estimate: Estimate | None = None
-        self._disagrees = False
-        self._opposing_since_ns = -1
-        self._last_q: Quat = (0.0, 0.0, 0.0, 0.0)
-        self._same_count = 0
+        self.trim_known = True
+        """Whether the rotation between the autopilot's body and the inertial sensor's is known."""
+        self._settings: Final = settings
+        self._pairing: Final = Pairing()
+        self._members: tuple[Member, ...] = ()
+        self._sources: dict[str, Reference] = {}
 
-    def take_estimate(self, estimate: Estimate) -> None:
-        """Remember the newest estimate of the primary lane."""
-        self._estimate = estimate
+    def take_estimate(self, estimate: Estimate, members: Sequence[Member] = ()) -> list[Verdict]:
+        """Remember the newest estimate, and the attitudes beside it that are not refuted; verdicts that waited."""
+        self._members = tuple(members)
+        return [self._weigh(reference) for reference in self._pairing.take(estimate)]
 
     def forget_estimate(self) -> None:
         """There is no valid estimate any more."""
-        self._estimate = None
+        self._pairing.forget()
+        self._members = ()
 
-    def judge(self, reference: AttitudeSample) -> Verdict:
-        """The verdict on one attitude of the autopilot. ``reference`` must carry a time."""
-        estimate = self._estimate
-        if estimate is None:
-            return self._undecided("no-estimate", reference)
-        apart_s = wrapped_difference_ns(reference.t_ns, estimate.t_ns) * 1e-9
-        if abs(apart_s) > MAX_PAIRING_S:
-            return self._undecided("no-estimate", reference)
+    def judge(self, sample: AttitudeSample) -> list[Verdict]:
+        """The verdict on one attitude of the autopilot, which must carry a time; none while it waits or repeats."""
+        source = self._source(sample)
+        if source.repeats(sample):
+            return []
+        return [] if self._pairing.waits(sample) else [self._weigh(sample)]
+
+    def interval_s(self, source: str) -> float:
+        """The usual interval of a source of attitudes, s; 0 while it is not known."""
+        known = self._sources.get(source)
+        return 0.0 if known is None else known.interval_s
+
+    def contradictions(self, source: str) -> int:
+        """Attitudes of a source that contradict another one of the same time stamp."""
+        known = self._sources.get(source)
+        return 0 if known is None else known.contradictions
+
+    def _source(self, sample: AttitudeSample) -> Reference:
+        known = self._sources.get(sample.source)
+        if known is None:
+            known = self._sources[sample.source] = Reference(OffsetMonitor())
+        return known
+
+    def _weigh(self, sample: AttitudeSample) -> Verdict:
+        """Compare one attitude with all of ours at its time, and add to the evidence."""
+        source = self._source(sample)
+        elapsed_s = source.advance(sample)
+        carried = self._pairing.at(sample.t_ns)
+        if carried is None:
+            return _verdict(Agreement.UNDECIDED, "no-estimate", None, source, sample)
+        estimate = carried.estimate
         if estimate.tilt_sigma > self._settings.max_sigma:
-            return self._undecided("low-confidence", reference)
-        ours = q_mul(estimate.q_nb, q_exp(scale(estimate.rates, 0.5 * apart_s)))
-        tilt = tilt_between(ours, reference.q_nb)
-        heading = nan
-        if estimate.north == North.TRUE:
-            heading = heading_between(reference.q_nb, ours)
-        return self._decide(estimate, reference, tilt, heading)
+            return _verdict(Agreement.UNDECIDED, _doubt(estimate, "low-confidence"), None, source, sample)
+        if not self.trim_known and not estimate.tilt_sigma > self._settings.agree_sigma:
+            source.offset.learn(carried.q_nb, sample)
+        theirs = sample.q_nb if self.trim_known else source.offset.undone(sample)
+        differences = self._differences(carried, theirs, source.disagrees)
+        frozen = source.is_frozen(estimate.rates)
+        all_off = frozen or all(one.is_off for one in differences)
+        measuring = not self.trim_known and not source.offset.frozen
+        if not (measuring and all_off):
+            source.add(elapsed_s if all_off else -elapsed_s, self._settings.hold_s)
+        return self._said(estimate, source, sample, differences, "frozen" if frozen else "")
 
-    def _decide(self, estimate: Estimate, reference: AttitudeSample, tilt: float, heading: float) -> Verdict:
-        """Apply thresholds, hysteresis and hold time to one pair of differences."""
-        if self._frozen(estimate, reference):
-            self._disagrees = True
-            self._opposing_since_ns = -1
-            return self._verdict(Agreement.DISAGREE, "frozen", tilt, heading, reference)
-        reason = self._offence(estimate, tilt, heading)
-        opposes = (reason != "agrees") != self._disagrees
-        if not opposes:
-            self._opposing_since_ns = -1
-        elif self._opposing_since_ns < 0:
-            self._opposing_since_ns = reference.t_ns
-        if opposes and self._lasted(reference):
-            self._disagrees = not self._disagrees
-            self._opposing_since_ns = -1
-        if self._disagrees:
-            return self._verdict(
-                Agreement.DISAGREE, "settling" if reason == "agrees" else reason, tilt, heading, reference
-            )
-        return self._verdict(Agreement.AGREE, "agrees" if reason == "agrees" else "settling", tilt, heading, reference)
-
-    def _lasted(self, reference: AttitudeSample) -> bool:
-        """True when the opposing differences have lasted for the hold time."""
-        return wrapped_difference_ns(reference.t_ns, self._opposing_since_ns) * 1e-9 >= self._settings.hold_s
-
-    def _offence(self, estimate: Estimate, tilt: float, heading: float) -> str:
-        """Which difference is too large now: "tilt", "heading" or "agrees"."""
-        share = self._settings.release if self._disagrees else 1.0
-        threshold = self._settings.aided_tilt if estimate.aided else self._settings.tilt
-        if tilt > share * _limit(threshold, estimate.tilt_sigma):
-            return "tilt"
-        if abs(heading) > share * _limit(2.0 * threshold, estimate.heading_sigma):
-            return "heading"
-        return "agrees"
-
-    def _frozen(self, estimate: Estimate, reference: AttitudeSample) -> bool:
-        """True when the autopilot repeats one attitude bit for bit while the vehicle turns."""
-        self._same_count = self._same_count + 1 if reference.q_nb == self._last_q else 1
-        self._last_q = reference.q_nb
-        return self._same_count >= FROZEN_COUNT and norm(estimate.rates) > FROZEN_RATE
-
-    def _undecided(self, reason: str, reference: AttitudeSample) -> Verdict:
-        self._opposing_since_ns = -1
-        return self._verdict(Agreement.UNDECIDED, reason, nan, nan, reference)
-
-    def _verdict(
-        self, agreement: Agreement, reason: str, tilt: float, heading: float, reference: AttitudeSample
+    def _said(
+        self,
+        estimate: Estimate,
+        source: Reference,
+        sample: AttitudeSample,
+        differences: list[Difference],
+        offence: str,
     ) -> Verdict:
-        return Verdict(agreement, reason, tilt, heading, reference.source, reference.t_ns, reference.rx_ns)
+        """The verdict that follows from the evidence and from the differences now."""
+        first = differences[0]
+        off = offence or next((one.reason for one in differences if one.is_off), "")
+        if source.disagrees:
+            return _verdict(Agreement.DISAGREE, off or "settling", first, source, sample)
+        reason = ""
+        if off:
+            all_off = offence or all(one.is_off for one in differences)
+            reason = "settling" if all_off else "disputed"
+        elif not all(one.is_near for one in differences):
+            reason = "heading-uncertain" if first.reason == "heading" else _doubt(estimate, "low-confidence")
+        elif estimate.tilt_sigma > self._settings.agree_sigma or _blind(estimate):
+            reason = _doubt(estimate, "low-confidence")
+        elif not self.trim_known and source.offset.angles is not None:
+            reason = "offset"
+        if reason:
+            return _verdict(Agreement.UNDECIDED, reason, first, source, sample)
+        return _verdict(Agreement.AGREE, "agrees", first, source, sample)
+
+    def _differences(self, carried: Carried, theirs: Quat, disagrees: bool) -> list[Difference]:
+        """The autopilot's attitude beside the selected one and every other member of the set."""
+        estimate = carried.estimate
+        selected = Member((1.0, 0.0, 0.0, 0.0), estimate.tilt_sigma, estimate.heading_sigma)
+        return [
+            self._difference(q_mul(carried.q_nb, one.turn), one, carried, theirs, disagrees)
+            for one in (selected, *self._members)
+        ]
+
+    def _difference(self, ours: Quat, member: Member, carried: Carried, theirs: Quat, disagrees: bool) -> Difference:
+        estimate = carried.estimate
+        share = self._settings.release if disagrees else 1.0
+        threshold = self._settings.proven_tilt if estimate.sigma_is_proven else self._settings.tilt
+        tilt = tilt_between(ours, theirs)
+        heading = heading_between(theirs, ours) if estimate.north == North.TRUE else nan
+        tilt_off = tilt > share * _limit(threshold, TILT_SIGMAS * member.tilt_sigma, carried.slack)
+        heading_off = abs(heading) > share * _limit(
+            2.0 * threshold, HEADING_SIGMAS * member.heading_sigma, carried.slack
+        )
+        tilt_near, heading_near = tilt <= threshold, not abs(heading) > 2.0 * threshold
+        reason = "tilt" if tilt_off or (not heading_off and not tilt_near) else "heading"
+        return Difference(tilt, heading, tilt_off or heading_off, tilt_near and heading_near, reason)
 
 
-def _limit(threshold: float, sigma: float) -> float:
-    """max(T, 3 sigma); a filter without covariance (NaN) has the threshold alone."""
-    return max(threshold, 3.0 * sigma) if isfinite(sigma) else threshold
+def _limit(threshold: float, uncertainty: float, slack: float) -> float:
+    """The larger of threshold and uncertainty; a filter without covariance (NaN) has the threshold alone."""
+    return hypot(max(threshold, uncertainty), slack) if isfinite(uncertainty) else hypot(threshold, slack)
+
+
+def _blind(estimate: Estimate) -> bool:
+    """True for a filter that knows no sigma beside samples that are too slow to follow motion."""
+    return not isfinite(estimate.tilt_sigma) and estimate.dt_s > SLOW_S
+
+
+def _doubt(estimate: Estimate, reason: str) -> str:
+    """The reason for too little confidence: the rate where it is low."""
+    return "low-rate" if estimate.dt_s > SLOW_S else reason
+
+
+def _verdict(
+    agreement: Agreement, reason: str, difference: Difference | None, source: Reference, sample: AttitudeSample
+) -> Verdict:
+    tilt, heading = (nan, nan) if difference is None else (difference.tilt, difference.heading)
+    return Verdict(agreement, reason, tilt, heading, sample.source, sample.t_ns, sample.rx_ns, source.offset.angles)

@@ -132,8 +132,8 @@ class FilterState:
         return None
 
     @property
-    def aided(self) -> bool:
-        """True while a velocity over ground tells acceleration from tilt: a fresh one, or one carried on a while."""
+    def sigma_is_proven(self) -> bool:
+        """True while the sigmas cover the errors in flight too, so that a verdict may go by them."""
         return False
 
     @property

@@ -212,7 +212,7 @@ def test_a_low_pass_that_cannot_be_meant_is_named(value):
 def test_angles_are_radians_inside():
     config = parse_config("[verdict]\ntilt_deg = 3\nmax_sigma_deg = 1", "x")
     pipeline = config.pipeline_settings()
-    assert pipeline.verdict.tilt == pipeline.verdict.aided_tilt == pytest.approx(radians(3.0))
+    assert pipeline.verdict.tilt == pipeline.verdict.proven_tilt == pytest.approx(radians(3.0))
     assert pipeline.verdict.max_sigma == pytest.approx(radians(1.0))
 
 
@@ -223,9 +223,9 @@ def test_left_to_itself_it_flies_the_filter_for_flight_with_its_parameters():
     assert config.filter.build().parameters.low_pass_hz == 40.0
 
 
-def test_left_to_itself_the_verdict_is_stricter_with_a_velocity():
+def test_left_to_itself_the_verdict_is_stricter_beside_a_sigma_that_holds():
     verdict = parse_config("", "x").pipeline_settings().verdict
-    assert (verdict.tilt, verdict.aided_tilt) == pytest.approx((radians(10.0), radians(3.0)))
+    assert (verdict.tilt, verdict.proven_tilt) == pytest.approx((radians(10.0), radians(3.0)))
 
 
 def test_scales_of_raw_readings_go_together():

@@ -1,48 +1,174 @@
-"""The thresholds of the verdict, on attitudes made for it: a tilt of five degrees for five seconds."""
+"""The verdict on attitudes made for it, with sigmas, rates and offsets that are known."""
 
-from math import nan, radians
+from math import degrees, nan, radians
 
 import pytest
 
-from attest_mav.algebra import q_from_euler
+from attest_mav.algebra import q_exp, q_from_euler, q_mul
 from attest_mav.estimation.events import Agreement
-from attest_mav.estimation.verdict import Judge, VerdictSettings
-from attest_mav.types import AttitudeRole, AttitudeSample, Estimate, North
+from attest_mav.estimation.verdict import Judge, Member, VerdictSettings
+from attest_mav.types import AttitudeForm, AttitudeRole, AttitudeSample, Estimate, North
 
 LEVEL = (1.0, 0.0, 0.0, 0.0)
 STILL = (0.0, 0.0, 0.0)
+AGREE, DISAGREE, UNDECIDED = Agreement.AGREE, Agreement.DISAGREE, Agreement.UNDECIDED
 
 
-def agreement(roll_deg, yaw_deg, sigma_deg, aided):
-    """What is said in the end of an autopilot that is off by that roll and yaw."""
-    judge = Judge(VerdictSettings())
-    sigma = radians(sigma_deg)
-    theirs = q_from_euler(radians(roll_deg), 0.0, radians(yaw_deg))
-    said = Agreement.UNDECIDED
-    for k in range(50):
-        t_ns = k * 100_000_000
-        judge.take_estimate(
-            Estimate("RAW_IMU", "any", t_ns, t_ns, LEVEL, STILL, North.TRUE, sigma, sigma, 0.1, aided=aided)
-        )
-        said = judge.judge(
-            AttitudeSample("ATTITUDE", 1, 1, t_ns, t_ns, theirs, STILL, AttitudeRole.AUTOPILOT)
-        ).agreement
-    return said
+def estimate(t_s, q_nb=LEVEL, rates=STILL, tilt_deg=0.5, heading_deg=0.5, dt_s=0.1, proven=True):
+    t_ns = round(t_s * 1e9)
+    sigmas = (radians(tilt_deg), radians(heading_deg))
+    return Estimate("RAW_IMU", "any", t_ns, t_ns, q_nb, rates, North.TRUE, *sigmas, dt_s, sigma_is_proven=proven)
+
+
+def attitude(t_s, q_nb, form=AttitudeForm.EULER):
+    t_ns = round(t_s * 1e9)
+    return AttitudeSample("ATTITUDE", 1, 1, t_ns, t_ns, q_nb, STILL, AttitudeRole.AUTOPILOT, form)
+
+
+def last_said(theirs, seconds=5.0, judge=None, start_s=0.0, members=(), **ours):
+    """What is said in the end of an autopilot that reports that, 10 Hz."""
+    judge = judge or Judge(VerdictSettings())
+    said = []
+    for k in range(round(seconds * 10)):
+        t_s = start_s + 0.1 * k
+        said += judge.take_estimate(estimate(t_s, **ours), members)
+        said += judge.judge(attitude(t_s, theirs))
+    return said[-1]
 
 
 @pytest.mark.parametrize(
-    ("roll_deg", "yaw_deg", "sigma_deg", "aided", "expected"),
+    ("roll_deg", "yaw_deg", "sigma_deg", "proven", "expected", "reason"),
     [
-        (5.0, 0.0, 0.5, True, Agreement.DISAGREE),
-        (5.0, 0.0, 0.5, False, Agreement.AGREE),
-        (5.0, 0.0, nan, False, Agreement.AGREE),
-        (12.0, 0.0, 0.5, False, Agreement.DISAGREE),
-        (5.0, 0.0, 2.0, True, Agreement.AGREE),  # within three sigmas
-        (0.0, 8.0, 0.5, True, Agreement.DISAGREE),  # twice the threshold of the tilt
-        (0.0, 5.0, 0.5, True, Agreement.AGREE),
-        (0.0, 8.0, 0.5, False, Agreement.AGREE),
-        (0.0, 0.0, 6.0, True, Agreement.UNDECIDED),  # not sure enough to say anything
+        (5.0, 0.0, 0.5, True, DISAGREE, "tilt"),
+        (5.0, 0.0, 0.5, False, AGREE, "agrees"),
+        (5.0, 0.0, nan, False, AGREE, "agrees"),
+        (12.0, 0.0, 0.5, False, DISAGREE, "tilt"),
+        (3.8, 0.0, 2.0, True, UNDECIDED, "low-confidence"),  # within two sigmas, but not near
+        (2.0, 0.0, 2.5, True, UNDECIDED, "low-confidence"),  # near, but not sure enough to say so
+        (0.0, 8.0, 0.5, True, DISAGREE, "heading"),  # twice the threshold of the tilt
+        (0.0, 5.0, 0.5, True, AGREE, "agrees"),
+        (0.0, 8.0, 0.5, False, AGREE, "agrees"),
+        (0.0, 0.0, 6.0, True, UNDECIDED, "low-confidence"),
+        (40.0, 0.0, 4.0, True, DISAGREE, "tilt"),  # unsure by degrees, but not by forty
     ],
 )
-def test_a_velocity_makes_the_judge_stricter(roll_deg, yaw_deg, sigma_deg, aided, expected):
-    assert agreement(roll_deg, yaw_deg, sigma_deg, aided) is expected
+def test_the_limits_go_by_what_our_own_attitude_can_do(roll_deg, yaw_deg, sigma_deg, proven, expected, reason):
+    theirs = q_from_euler(radians(roll_deg), 0.0, radians(yaw_deg))
+    said = last_said(theirs, tilt_deg=sigma_deg, heading_deg=sigma_deg, proven=proven)
+    assert (said.agreement, said.reason) == (expected, reason)
+
+
+def test_a_heading_within_our_own_twenty_degrees_is_no_agreement():
+    """An autopilot whose heading is not aligned yet, beside a filter that does not know its own well."""
+    said = last_said(q_from_euler(0.0, 0.0, radians(15.0)), heading_deg=6.7)
+    assert (said.agreement, said.reason) == (UNDECIDED, "heading-uncertain")
+
+
+def test_evidence_is_time_by_the_autopilots_stamps():
+    judge, wrong = Judge(VerdictSettings()), q_from_euler(radians(6.0), 0.0, 0.0)
+    last_said(LEVEL, judge=judge)
+    assert last_said(wrong, 0.5, judge, 5.0).agreement == UNDECIDED
+    assert last_said(wrong, 0.3, judge, 5.5).agreement == DISAGREE
+    assert last_said(LEVEL, 0.2, judge, 5.8).agreement == DISAGREE
+    assert last_said(LEVEL, 0.3, judge, 6.0).agreement == AGREE
+
+
+def test_two_attitudes_of_one_stamp_that_contradict_each_other_are_counted():
+    judge = Judge(VerdictSettings())
+    last_said(LEVEL, judge=judge)
+    judge.judge(attitude(4.9, q_from_euler(0.3, 0.0, 0.0)))
+    assert judge.contradictions("ATTITUDE") == 1
+
+
+@pytest.mark.parametrize(("turn_deg", "expected", "reason"), [(1.0, DISAGREE, "tilt"), (-6.0, UNDECIDED, "disputed")])
+def test_only_what_contradicts_all_members_is_wrong(turn_deg, expected, reason):
+    other = Member(q_exp((0.5 * radians(-turn_deg), 0.0, 0.0)), radians(0.5), radians(0.5))
+    said = last_said(q_from_euler(radians(6.0), 0.0, 0.0), members=(other,))
+    assert (said.agreement, said.reason) == (expected, reason)
+
+
+@pytest.mark.parametrize("hz", [1.0, 2.0, 4.0])
+@pytest.mark.parametrize("ahead_s", [0.005, 0.13])
+def test_slow_streams_are_compared_at_each_attitude(hz, ahead_s):
+    """A vehicle that turns steadily; the autopilot's attitude is stamped before the sample of its burst."""
+    judge, rate, said = Judge(VerdictSettings()), 0.3, []
+    for k in range(60):
+        t_s = k / hz
+        q_nb = q_from_euler(0.0, 0.0, rate * t_s)
+        earlier = q_from_euler(0.0, 0.0, rate * (t_s - ahead_s))
+        said += judge.judge(attitude(t_s - ahead_s + 10.0, earlier))
+        said += judge.take_estimate(estimate(t_s + 10.0, q_nb, (0.0, 0.0, rate), dt_s=1.0 / hz))
+    assert len(said) >= 58
+    assert {v.agreement for v in said[2:]} == {AGREE}
+    assert max(degrees(abs(v.heading)) for v in said[2:]) < 0.01
+
+
+def test_a_filter_without_sigma_is_blind_on_a_slow_stream():
+    said = last_said(LEVEL, tilt_deg=nan, heading_deg=nan, dt_s=0.5, proven=False)
+    assert (said.agreement, said.reason) == (UNDECIDED, "low-rate")
+
+
+# --- an offset that is not known ---
+
+
+def banked(k):
+    return q_from_euler(radians(2.0) * (k % 7 - 3), radians(1.5) * (k % 5 - 2), 0.02 * k)
+
+
+def reported(q_nb, trim, form):
+    """What ArduPilot reports with this trim (roll, pitch, degrees): an Euler difference, or a body-side turn."""
+    x, y = radians(trim[0]), radians(trim[1])
+    if form == AttitudeForm.QUATERNION:
+        return q_mul(q_nb, q_exp((-0.5 * x, -0.5 * y, 0.0)))
+    from scipy.spatial.transform import Rotation  # noqa: PLC0415
+
+    w, i, j, k = q_nb
+    yaw, pitch, roll = Rotation.from_quat([i, j, k, w]).as_euler("ZYX")
+    i, j, k, w = Rotation.from_euler("ZYX", [yaw, pitch - y, roll - x]).as_quat().tolist()
+    return (w, i, j, k)
+
+
+def fly(judge, trim, form, start_s, seconds):
+    said = []
+    for k in range(round(start_s * 10), round((start_s + seconds) * 10)):
+        said += judge.take_estimate(estimate(0.1 * k, banked(k)))
+        said += judge.judge(attitude(0.1 * k, reported(banked(k), trim, form), form))
+    return said
+
+
+@pytest.mark.parametrize("form", list(AttitudeForm))
+def test_a_steady_offset_is_named_and_not_accused(form):
+    judge = Judge(VerdictSettings())
+    judge.trim_known = False
+    said = fly(judge, (4.0, 2.0), form, 0.0, 20.0)
+    assert DISAGREE not in {v.agreement for v in said}
+    assert (said[-1].agreement, said[-1].reason) == (UNDECIDED, "offset")
+    assert [degrees(a) for a in said[-1].offset] == pytest.approx([4.0, 2.0], abs=0.05)
+
+
+@pytest.mark.parametrize("before", [(0.0, 0.0), (4.0, 2.0)])
+def test_an_offset_that_arises_in_flight_is_a_disagreement(before):
+    judge = Judge(VerdictSettings())
+    judge.trim_known = False
+    fly(judge, before, AttitudeForm.EULER, 0.0, 20.0)
+    said = fly(judge, (before[0] + 5.0, before[1]), AttitudeForm.EULER, 20.0, 5.0)
+    assert (said[-1].agreement, said[-1].reason) == (DISAGREE, "tilt")
+
+
+def test_a_known_trim_leaves_no_room_for_an_offset():
+    judge = Judge(VerdictSettings())
+    said = fly(judge, (4.0, 2.0), AttitudeForm.EULER, 0.0, 20.0)
+    assert said[-1].agreement == DISAGREE
+    assert said[-1].offset is None
+
+
+def test_an_offset_larger_than_a_trim_can_be_is_a_disagreement():
+    judge = Judge(VerdictSettings())
+    judge.trim_known = False
+    assert fly(judge, (20.0, 0.0), AttitudeForm.EULER, 0.0, 20.0)[-1].agreement == DISAGREE
+
+
+def test_no_hold_time_means_at_once():
+    judge = Judge(VerdictSettings(hold_s=0.0))
+    last_said(LEVEL, judge=judge)
+    assert last_said(q_from_euler(0.2, 0.0, 0.0), 0.1, judge, 5.0).agreement == DISAGREE

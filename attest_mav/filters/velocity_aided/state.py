@@ -60,10 +60,9 @@ class VelocityAidedState(FilterState):
         return North.TRUE if flying.declined else North.MAGNETIC
 
     @property
-    def aided(self) -> bool:
-        """True with velocity fixes, and while the last velocity is carried on."""
-        flown = self._flown
-        return flown is not None and flown.aid in {Aid.VELOCITY, Aid.COASTING}
+    def sigma_is_proven(self) -> bool:
+        """True once there is an attitude: its covariance holds with every aid, and counts the cost of a reset."""
+        return self.aligned
 
     @property
     def rests_on(self) -> str:
