@@ -237,6 +237,7 @@ class VelocitySample(Sample):
     """Velocity over ground in NED, m/s.
 
     ``vertical_known`` is False where the message has no vertical velocity (its z is then 0). ``origin``: who measured.
+    ``sigma``: the uncertainty that the receiver itself reports, m/s an axis; None where it reports none.
     """
 
     def __init__(
@@ -249,16 +250,26 @@ class VelocitySample(Sample):
         v_ned: Vec3,
         vertical_known: bool,
         origin: VelocityOrigin,
+        sigma: float | None = None,
     ) -> None:
         super().__init__(source, system, component, t_ns, rx_ns)
         self.v_ned: Final = v_ned
         self.vertical_known: Final = vertical_known
         self.origin: Final = origin
+        self.sigma: Final = sigma
 
     def with_velocity(self, v_ned: Vec3) -> "VelocitySample":
         """The same sample with another velocity, m/s."""
         return VelocitySample(
-            self.source, self.system, self.component, self.t_ns, self.rx_ns, v_ned, self.vertical_known, self.origin
+            self.source,
+            self.system,
+            self.component,
+            self.t_ns,
+            self.rx_ns,
+            v_ned,
+            self.vertical_known,
+            self.origin,
+            self.sigma,
         )
 
 
@@ -343,6 +354,14 @@ class HeartbeatSample(Sample):
         self.autopilot: Final = autopilot
         self.armed: Final = armed
         self.status: Final = status
+
+
+class LandedSample(Sample):
+    """EXTENDED_SYS_STATE: whether the vehicle is on the ground, by the autopilot's own landing detector."""
+
+    def __init__(self, source: str, system: int, component: int, rx_ns: int, on_ground: bool) -> None:
+        super().__init__(source, system, component, NO_TIME, rx_ns)
+        self.on_ground: Final = on_ground
 
 
 class ClockSample(Sample):

@@ -3,9 +3,9 @@
 from typing import Final
 
 from attest_mav.algebra import norm
-from attest_mav.estimation.vehicle import Vehicle
+from attest_mav.estimation.vehicle import STANDING_SPEED, Vehicle
 from attest_mav.filters.base import BodyVelocity, FilterInputs
-from attest_mav.types import G_MPS2, ImuSample, North, Quat, Sample
+from attest_mav.types import G_MPS2, ImuSample, North, Quat, Sample, VelocitySample
 
 STILL_GYRO: Final = 0.05
 """rad/s."""
@@ -69,10 +69,20 @@ class LaneInputs:
             self.stationary,
             vehicle.latitude,
             vehicle.field.declination,
-            vehicle.velocity(now_ns),
+            self._velocity(now_ns),
             None,
             vehicle.field.inclination,
             vehicle.airspeed(now_ns),
             vehicle.goes_where_it_points,
             vehicle.zero_mean_velocity(now_ns),
         )
+
+    def _velocity(self, now_ns: int) -> VelocitySample | None:
+        """The velocity for the flight filter. One that moves is withheld from a vehicle that stands on the ground.
+
+        Gyro, accelerometer and the vehicle's own word together are better evidence than a receiver indoors.
+        """
+        velocity = self._vehicle.velocity(now_ns)
+        if velocity is None or not (self._sensors.quiet and self._vehicle.on_ground):
+            return velocity
+        return None if norm(velocity.v_ned) > STANDING_SPEED else velocity

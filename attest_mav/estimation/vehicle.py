@@ -16,6 +16,7 @@ from attest_mav.types import (
     AirDataSample,
     EarthField,
     HeartbeatSample,
+    LandedSample,
     North,
     ParameterSample,
     PositionSample,
@@ -36,6 +37,9 @@ FAST: Final = 6.0
 STANDING_SPEED: Final = 0.5
 """m/s: a vehicle that moves faster does not stand, however quiet its sensors: a plane in smooth cruise is as quiet as
 a desk."""
+
+CARRIED_SPEED: Final = 12.0
+"""m/s: a vehicle that is not under way itself and is faster is carried (a car, a ship)."""
 
 RECEIVER: Final = "GPS_RAW_INT"
 """The name under which users choose the receiver's own velocity, whichever message or log record carries it."""
@@ -79,6 +83,8 @@ class Vehicle:
         self.kind = VehicleKind.UNKNOWN
         self.armed: bool | None = None
         """None while the vehicle does not say. Armed, it may be under way, whatever else is known."""
+        self.landed: bool | None = None
+        """The word of the autopilot's landing detector; None while it gives none."""
         self.latitude = nan
         """rad, NaN while there was no position."""
         self._settings = settings
@@ -91,6 +97,8 @@ class Vehicle:
         """Remember a sample that is neither inertial nor an attitude."""
         if isinstance(sample, HeartbeatSample):
             self.kind, self.armed = sample.kind, sample.armed
+        elif isinstance(sample, LandedSample):
+            self.landed = sample.on_ground
         elif isinstance(sample, AirDataSample):
             self._air = sample
         elif isinstance(sample, VelocitySample):
@@ -105,8 +113,19 @@ class Vehicle:
             self.settings = self.settings.updated(sample.setting, sample.value)
 
     @property
+    def on_ground(self) -> bool:
+        """True where the vehicle says that it is not under way: disarmed, or landed by its own detector.
+
+        A receiver indoors wanders by metres per second; one that shows the speed of a car or a ship is believed.
+        """
+        at_rest = self.armed is False or self.landed is True
+        return at_rest and not self._speed > CARRIED_SPEED
+
+    @property
     def stands(self) -> bool | None:
         """The vehicle's own word: True when it stands, False when it moves or may move, None when it says nothing."""
+        if self.on_ground:
+            return True
         if isfinite(self._speed):
             return self._speed <= STANDING_SPEED
         return None if self.armed is None else not self.armed

@@ -10,6 +10,7 @@ from attest_mav.estimation.vehicle import AidSettings, Vehicle
 from attest_mav.types import (
     AirDataSample,
     HeartbeatSample,
+    LandedSample,
     North,
     PositionSample,
     VehicleKind,
@@ -169,3 +170,28 @@ def test_the_choice_of_a_forward_speed_leaves_the_flight_filters_airspeed_alone(
 def test_only_a_wing_goes_through_the_air_where_it_points(imu, kind):
     given = LaneInputs(vehicle(heartbeat(kind), hud(1.0))).give(imu(1.0), EAST, North.TRUE)
     assert not given.goes_where_it_points
+
+
+def given_velocity(known, imu, **reading):
+    """The velocity that a filter gets after two seconds of such readings."""
+    inputs = LaneInputs(known)
+    stands(inputs, imu, 0.0, 2.0, **reading)
+    return inputs.give(imu(2.0, **reading), EAST, North.TRUE).velocity
+
+
+@pytest.mark.parametrize(
+    ("word", "speed", "rate", "is_given"),
+    [
+        ("disarmed", 3.0, 0.0, False),  # indoors
+        ("disarmed", 0.2, 0.0, True),
+        ("disarmed", 3.0, 0.5, True),  # the sensors say that it moves
+        ("disarmed", 20.0, 0.0, True),  # in a car
+        ("armed", 3.0, 0.0, True),
+        ("armed, landed", 3.0, 0.0, False),
+    ],
+)
+def test_a_receiver_that_moves_is_not_believed_of_a_vehicle_that_stands(imu, word, speed, rate, is_given):
+    known = vehicle(heartbeat(COPTER, armed=word != "disarmed"), velocity(1.9, (speed, 0.0, 0.0)))
+    if word.endswith("landed"):
+        known.take(LandedSample("EXTENDED_SYS_STATE", 1, 1, S, on_ground=True))
+    assert (given_velocity(known, imu, rate=rate) is not None) is is_given

@@ -17,6 +17,7 @@ from attest_mav.mavlink.decode.readers import (
     GpsReader,
     HeartbeatReader,
     HudReader,
+    LandedReader,
     QuaternionReader,
     Reader,
     SimStateReader,
@@ -65,6 +66,7 @@ class Decoder:
             VelocityReader(dialect, "GLOBAL_POSITION_INT", CENTI),
             VelocityReader(dialect, "LOCAL_POSITION_NED", 1.0),
             HudReader(dialect),
+            LandedReader(dialect),
             ClockReader(dialect, boot_clock),
             ParameterReader(dialect),
         ]

@@ -133,7 +133,7 @@ class ImuLane:
         field = self._field_check
         self.field_refusal = ""
         if field.failed:
-            reason = _expectation("magnetometer", field, "gauss", "the Earth's field")
+            reason = _expectation("magnetometer", field, "gauss", "a field around a vehicle")
             self.field_refusal = f"{self.source} of system {self.system}: {reason}"
         elif field.passed and field.factor != 1.0:
             fix = f"its magnetometer came {1.0 / field.factor:.0f} times too large and was corrected"

@@ -18,6 +18,7 @@ from attest_mav.types import (
     AttitudeSample,
     ClockSample,
     HeartbeatSample,
+    LandedSample,
     PositionSample,
     Quat,
     Sample,
@@ -39,7 +40,17 @@ FIX_3D: Final = 3
 NOT_KNOWN_U16: Final = 65535
 """What GPS_RAW_INT writes into a uint16 field it does not know."""
 
+NOT_KNOWN_U8: Final = 255
+"""The same for a uint8 field."""
+
 CENTI: Final = 1e-2
+MILLI: Final = 1e-3
+
+POOR_HDOP: Final = 2.5
+FEW_SATELLITES: Final = 6
+"""A receiver with a larger dilution of precision or fewer satellites has a poor velocity even if it does not say so."""
+SIGMA_PER_HDOP: Final = 0.4
+"""m/s: uncertainty of such a velocity for each unit of the dilution."""
 
 
 KINDS: Final = {
@@ -48,6 +59,12 @@ KINDS: Final = {
     **dict.fromkeys((10, 11), VehicleKind.SURFACE),
 }
 """MAV_TYPE to how such a vehicle moves: aeroplanes and the VTOL kinds; copters; ground vehicles and surface boats."""
+
+
+LANDED_ON_GROUND: Final = 1
+"""MAV_LANDED_STATE_ON_GROUND."""
+LANDED_IN_AIR: Final = (2, 3, 4)
+"""MAV_LANDED_STATE: in the air, taking off, landing."""
 
 
 class Reader:
@@ -181,11 +198,13 @@ class GpsReader(Reader):
     def __init__(self, dialect: Dialect, boot_clock: BootClock) -> None:
         super().__init__("GPS_RAW_INT")
         self._boot_clock: Final = boot_clock
-        self._fields: Final = dialect.layout(self.name).pick("time_usec", "lat", "lon", "alt", "vel", "cog", "fix_type")
+        self._fields: Final = dialect.layout(self.name).pick(
+            "time_usec", "lat", "lon", "alt", "eph", "vel", "cog", "fix_type", "satellites_visible", "vel_acc"
+        )
 
     def read(self, frame: Frame) -> list[Sample]:
         """A PositionSample and, where speed and course are known, a VelocitySample before it."""
-        time, lat, lon, alt, vel, cog, fix = self._fields.unpack(frame.payload)
+        time, lat, lon, alt, eph, vel, cog, fix, satellites, vel_acc = self._fields.unpack(frame.payload)
         if fix < FIX_3D:
             return self.refuse(frame, f"no 3-D fix (fix type {fix})")
         t_ns = self._boot_clock.since_boot_ns(frame.system, time)
@@ -206,6 +225,7 @@ class GpsReader(Reader):
                     v_ned,
                     False,
                     VelocityOrigin.RECEIVER,
+                    receiver_sigma(vel_acc * MILLI, eph, satellites),
                 )
             )
         samples.append(
@@ -214,6 +234,34 @@ class GpsReader(Reader):
             )
         )
         return samples
+
+
+def receiver_sigma(reported: float, eph: int, satellites: int) -> float | None:
+    """Uncertainty of a receiver's velocity, m/s an axis; None where nothing speaks against a good one.
+
+    reported: vel_acc, m/s, 0 where it is not known. eph: dilution of precision times 100.
+    """
+    hdop = eph * CENTI if eph != NOT_KNOWN_U16 else 0.0
+    few = satellites != NOT_KNOWN_U8 and 0 < satellites < FEW_SATELLITES
+    poor = SIGMA_PER_HDOP * max(hdop, POOR_HDOP) if hdop > POOR_HDOP or few else 0.0
+    sigma = max(reported, poor)
+    return sigma if sigma > 0.0 else None
+
+
+class LandedReader(Reader):
+    """EXTENDED_SYS_STATE: on the ground, or not; an undefined state tells nothing."""
+
+    def __init__(self, dialect: Dialect) -> None:
+        super().__init__("EXTENDED_SYS_STATE")
+        self._fields: Final = dialect.layout(self.name).pick("landed_state")
+
+    def read(self, frame: Frame) -> list[Sample]:
+        """One LandedSample."""
+        (state,) = self._fields.unpack(frame.payload)
+        if state not in (LANDED_ON_GROUND, *LANDED_IN_AIR):
+            return []
+        on_ground = state == LANDED_ON_GROUND
+        return [LandedSample(self.name, frame.system, frame.component, frame.rx_ns, on_ground)]
 
 
 class VelocityReader(Reader):

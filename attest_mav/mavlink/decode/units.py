@@ -21,9 +21,11 @@ MILLI: Final = 1e-3
 
 MIN_ACCEL_MPS2: Final = 0.5 * G_MPS2
 MAX_ACCEL_MPS2: Final = 2.0 * G_MPS2
-MIN_FIELD_GAUSS: Final = 0.15
-MAX_FIELD_GAUSS: Final = 0.75
-"""What a vehicle's accelerometer and magnetometer read at start-up, whatever it does, if the units are right."""
+MIN_FIELD_GAUSS: Final = 0.1
+MAX_FIELD_GAUSS: Final = 2.5
+"""Magnitudes of accelerometer and magnetometer at start-up, whatever the vehicle does, if the units are right. The
+Earth's field is 0.22 to 0.67 gauss; iron around the vehicle (a steel pool, a ship) makes a steady field that is
+weaker or stronger, and as good as any other. Units that are wrong are wrong by a factor of a hundred or more."""
 
 SATURATED_RAW: Final = 32440
 """99 % of what an int16 holds."""

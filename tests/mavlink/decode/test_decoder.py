@@ -70,8 +70,33 @@ def test_everything_it_wants_it_understands(dialect):
     assert names == {
         "RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "SCALED_IMU3", "HIGHRES_IMU", "ATTITUDE", "ATTITUDE_QUATERNION",
         "SIM_STATE", "SIMSTATE", "AHRS2", "HEARTBEAT", "SYSTEM_TIME", "GLOBAL_POSITION_INT", "GPS_RAW_INT",
-        "VFR_HUD", "LOCAL_POSITION_NED", "PARAM_VALUE",
+        "VFR_HUD", "LOCAL_POSITION_NED", "PARAM_VALUE", "EXTENDED_SYS_STATE",
     }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("vel_acc_mms", "eph", "satellites", "sigma"),
+    [
+        (300, 80, 12, 0.3),
+        (0, 80, 12, None),
+        (0, 65535, 255, None),
+        (0, 4900, 12, 19.6),
+        (5000, 300, 12, 5.0),
+        (0, 90, 4, 1.0),
+    ],
+)
+def test_a_receiver_says_how_good_its_velocity_is(hear, vel_acc_mms, eph, satellites, sigma):
+    message = pymav.MAVLink_gps_raw_int_message(
+        1_000_000, 3, 0, 0, 0, eph, 100, 500, 0, satellites, vel_acc=vel_acc_mms
+    )
+    velocity = hear(message)[0]
+    assert velocity.sigma == (None if sigma is None else pytest.approx(sigma))
+
+
+@pytest.mark.parametrize(("state", "on_ground"), [(0, None), (1, True), (2, False), (3, False), (4, False), (9, None)])
+def test_the_landing_detector(hear, state, on_ground):
+    samples = hear(pymav.MAVLink_extended_sys_state_message(0, state))
+    assert [sample.on_ground for sample in samples] == ([] if on_ground is None else [on_ground])
 
 
 def test_other_messages_give_nothing(hear):
