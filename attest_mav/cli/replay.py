@@ -3,30 +3,26 @@
 import json
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import replace
+from dataclasses import dataclass
 from io import TextIOWrapper
 from math import inf
 from pathlib import Path
-from typing import Any, Final
+from typing import IO, Final
 
 import click
 
 from attest_mav.cli.progress import ProgressBar
-from attest_mav.errors import AttestMavError, UnreadableDataError, UnwritableError, UsageError
+from attest_mav.errors import UsageError
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.registry import default_filter, filter_names
-from attest_mav.logs.detect import HEAD_BYTES, require_format
-from attest_mav.logs.tlog.survey import IMU_MESSAGES, NAMED_REFERENCES
-from attest_mav.mavlink.dialect import Dialect, load_dialect
-from attest_mav.replay.engine import Outputs, Request, replay
-from attest_mav.replay.flight import Window
+from attest_mav.logs.formats import inertial_names, reference_names
+from attest_mav.replay.batch import Report, replay_file, replay_files
+from attest_mav.replay.csv_table import CsvTable
 from attest_mav.replay.plan import check_names
-from attest_mav.replay.report import as_json
-from attest_mav.replay.rows import RowWriter
+from attest_mav.replay.request import Outputs, Request, Window
 from attest_mav.runtime.files import atomic_write, open_log
 
 AUTO: Final = "auto"
-FORMAT_NAMES: Final = {"dataflash": "a DataFlash log", "ulog": "a ULog"}
 
 
 @click.command("replay")
@@ -40,15 +36,15 @@ FORMAT_NAMES: Final = {"dataflash": "a DataFlash log", "ulog": "a ULog"}
     help=f"Filters to run, of {', '.join(filter_names())}; {AUTO}: velocity-aided where the log has a velocity, else "
     "gradient-descent.",
 )
-@click.option("--imu", metavar="MESSAGE", help=f"Inertial message to use, of {', '.join(IMU_MESSAGES)}.")
-@click.option("--reference", metavar="MESSAGE", help=f"What to compare with, of {', '.join(NAMED_REFERENCES)}.")
+@click.option("--imu", metavar="MESSAGE", help=f"Inertial message to use, of {', '.join(inertial_names())}.")
+@click.option("--reference", metavar="MESSAGE", help=f"What to compare with, of {', '.join(reference_names())}.")
 @click.option(
     "--skip", "skip_s", default=30.0, show_default=True, metavar="SECONDS", help="Not counted: so long after alignment."
 )
 @click.option("--start", "start_s", default=0.0, metavar="S", help="Read from S seconds after the first sample.")
 @click.option("--end", "end_s", default=inf, metavar="S", help="Read until S seconds after the first sample.")
 @click.option("--csv", "csv_path", metavar="FILE", help="Write every attitude with its errors.")
-@click.option("--tlog", "tlog_path", metavar="FILE", help="Write the log with the first filter's attitudes woven in.")
+@click.option("--tlog", "tlog_path", metavar="FILE", help="Write the log with the first filter's attitudes inserted.")
 @click.option("--json", "json_lines", is_flag=True, help="Print one JSON object a log, one a line.")
 @click.option(
     "--declination",
@@ -81,52 +77,50 @@ def command(
     _check_outputs(logs, csv_path, tlog_path)
     request = Request(_filters(filters), imu, reference, declination_deg, _window(start_s, end_s, skip_s))
     with ExitStack() as stack:
-        rows = None if csv_path is None else stack.enter_context(_csv_rows(csv_path))
-        woven = None if tlog_path is None else stack.enter_context(atomic_write(tlog_path))
-        exit_code, done = _replay_all(logs, request, Outputs(rows, woven), json_lines)
+        table = None if csv_path is None else stack.enter_context(_csv_table(csv_path))
+        annotated = None if tlog_path is None else stack.enter_context(atomic_write(tlog_path))
+        exit_code, done = _replay_all(logs, _Work(request, table, annotated), json_lines)
         if not done:
             # Leaving the block by an exception, so that no output file appears.
             click.get_current_context().exit(exit_code)
     click.get_current_context().exit(exit_code)
 
 
-def _replay_all(logs: tuple[str, ...], request: Request, outputs: Outputs, json_lines: bool) -> tuple[int, int]:
-    """Replay every log, whatever happens to the others: the last failure's exit code, and how many succeeded."""
-    dialect = load_dialect()
-    exit_code = done = 0
-    for name in logs:
-        try:
-            report = _replay_one(name, dialect, request, outputs)
-        except UnwritableError:
-            raise
-        except AttestMavError as error:
-            click.echo(f"attest-mav: error: {error}", err=True)
-            exit_code = error.exit_code
-            continue
-        done += 1
-        if json_lines:
-            click.echo(json.dumps(report, allow_nan=False))
-        else:
-            # Costs 100 ms, which a script that reads JSON does not need.
-            from attest_mav.cli.replay_table import print_report  # noqa: PLC0415
+@dataclass(frozen=True)
+class _Work:
+    """The work on each log, with a progress bar and the files that are written beside the report."""
 
-            print_report(report)
+    request: Request
+    table: CsvTable | None
+    annotated: IO[bytes] | None
+
+    def __call__(self, path: str) -> Report:
+        attitudes = None if self.table is None else self.table.rows_of(path)
+        with ProgressBar(path) as bar:
+            return replay_file(path, self.request, open_log, Outputs(attitudes, self.annotated, bar.show))
+
+
+def _replay_all(logs: tuple[str, ...], work: _Work, json_lines: bool) -> tuple[int, int]:
+    """Print the outcome of every log: the last failure's exit code, and the number of logs without one."""
+    exit_code = done = 0
+    for outcome in replay_files(logs, work):
+        if outcome.error is not None:
+            click.echo(f"attest-mav: error: {outcome.error}", err=True)
+            exit_code = outcome.error.exit_code
+        elif outcome.report is not None:
+            done += 1
+            _show(outcome.report, json_lines)
     return exit_code, done
 
 
-def _replay_one(name: str, dialect: Dialect, request: Request, outputs: Outputs) -> dict[str, Any]:
-    """The report on one log. Every error names the log."""
-    with open_log(name) as mapped, ProgressBar(name) as bar:
-        log_format = require_format(mapped[:HEAD_BYTES], name)
-        if log_format != "tlog":
-            raise UnreadableDataError(f"{name}: {FORMAT_NAMES[log_format]} cannot be read yet; expected a tlog")
-        if isinstance(outputs.rows, RowWriter):
-            outputs.rows.log = name
-        try:
-            result = replay(mapped, dialect, request, replace(outputs, progress=bar.show))
-        except UnreadableDataError as error:
-            raise UnreadableDataError(f"{name}: {error}") from None
-        return as_json(name, log_format, result)
+def _show(report: Report, json_lines: bool) -> None:
+    if json_lines:
+        click.echo(json.dumps(report, allow_nan=False))
+        return
+    # Costs 100 ms, which a script that reads JSON does not need.
+    from attest_mav.cli.replay_table import print_report  # noqa: PLC0415
+
+    print_report(report)
 
 
 def _filters(text: str) -> tuple[AttitudeFilter, ...]:
@@ -142,7 +136,7 @@ def _filters(text: str) -> tuple[AttitudeFilter, ...]:
 
 
 def _window(start_s: float, end_s: float, skip_s: float) -> Window:
-    """The part of the log to read; UsageError when it cannot be meant."""
+    """The part of the log to read; UsageError for values that make no sense."""
     for option, value in (("--start", start_s), ("--skip", skip_s)):
         if not 0.0 <= value < inf:
             raise UsageError(f"{option} {value:g}: expected seconds, 0 or more")
@@ -159,7 +153,7 @@ def _check_declination(declination_deg: float | None) -> None:
 def _check_outputs(logs: tuple[str, ...], csv_path: str | None, tlog_path: str | None) -> None:
     """Refuse outputs that would replace an input or each other."""
     if tlog_path is not None and len(logs) > 1:
-        raise UsageError("--tlog takes one LOG: a woven log cannot hold several")
+        raise UsageError("--tlog takes one LOG: an annotated log cannot hold several")
     outputs = {option: Path(path) for option, path in (("--csv", csv_path), ("--tlog", tlog_path)) if path is not None}
     for option, output in outputs.items():
         for name in logs:
@@ -174,10 +168,10 @@ def _is_same_file(one: Path, other: Path) -> bool:
 
 
 @contextmanager
-def _csv_rows(path: str) -> Iterator[RowWriter]:
-    """Rows into a file that appears when all of them are written."""
+def _csv_table(path: str) -> Iterator[CsvTable]:
+    """A table in a file that appears when all of its rows are written."""
     with atomic_write(path) as file:
         # The name of a log need not be text; its bytes come out as they are.
         text = TextIOWrapper(file, encoding="utf-8", errors="surrogateescape", newline="")
-        yield RowWriter(text)
+        yield CsvTable(text)
         text.detach()

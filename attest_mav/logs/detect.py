@@ -1,20 +1,18 @@
-"""What kind of log a file is, from its first bytes."""
+"""The format of a log, from its first bytes."""
 
 from typing import Final, Literal
 
 from attest_mav.errors import UnreadableDataError
+from attest_mav.logs.source import EXPECTED
 
 LogFormat = Literal["tlog", "dataflash", "ulog"]
 
 HEAD_BYTES: Final = 65536
-"""How much of a file ``detect_format`` wants to see; less will do where the file is shorter."""
-
-EXPECTED: Final = "a tlog, a DataFlash log (.bin) or a ULog"
-"""What a log can be."""
+"""Length of the head that ``detect_format`` needs; a shorter file is given whole."""
 
 _DATAFLASH: Final = b"\xa3\x95"
 _ULOG: Final = b"ULog\x01\x12\x35"
-_STRANGERS: Final = (
+_FOREIGN_FORMATS: Final = (
     (b"\x89PNG", "a PNG picture"),
     (b"\xff\xd8\xff", "a JPEG picture"),
     (b"%PDF", "a PDF document"),
@@ -39,21 +37,21 @@ def detect_format(head: bytes) -> LogFormat | None:
 
 
 def require_format(head: bytes, name: str) -> LogFormat:
-    """The same, or UnreadableDataError that says what the file ``name`` is instead.
+    """The format, or UnreadableDataError that names the foreign format of the file ``name``.
 
-    What is nothing else that is known may be a tlog with a damaged beginning: reading all of it will tell.
+    A head of no known format counts as a tlog: its beginning may be damaged, and only reading all of it decides.
     """
     if not head:
         raise UnreadableDataError(f"{name}: the file is empty")
     found = detect_format(head)
-    stranger = _what_it_is(head) if found is None else ""
-    if stranger:
-        raise UnreadableDataError(f"{name}: this is {stranger}; expected {EXPECTED}")
+    foreign = _foreign_format(head) if found is None else ""
+    if foreign:
+        raise UnreadableDataError(f"{name}: this is {foreign}; expected {EXPECTED}")
     return found or "tlog"
 
 
 def _is_tlog(head: bytes) -> bool:
-    """Whether two records whose times agree follow each other, or one makes up the whole head or ends beyond it."""
+    """True if two adjacent records have times within a day, or if one record fills the head or ends beyond it."""
     for start in range(min(len(head), HEAD_BYTES) - _STAMP_BYTES):
         behind = _frame_end(head, start + _STAMP_BYTES)
         if behind == 0 or head[start] != 0:
@@ -71,7 +69,7 @@ def _stamp(data: bytes, start: int) -> int:
 
 
 def _frame_end(data: bytes, frame: int) -> int:
-    """Where the MAVLink frame that may start here would end; 0 when none can."""
+    """End of the MAVLink frame that may start at ``frame``; 0 if none can start there."""
     if frame + 2 > len(data):
         return 0
     if data[frame] == 0xFE:
@@ -82,9 +80,9 @@ def _frame_end(data: bytes, frame: int) -> int:
     return 0
 
 
-def _what_it_is(head: bytes) -> str:
-    """A guess in words, empty when there is none."""
-    for magic, words in _STRANGERS:
+def _foreign_format(head: bytes) -> str:
+    """A foreign format in words; "" if the head is of none that is known."""
+    for magic, words in _FOREIGN_FORMATS:
         if head.startswith(magic):
             return words
     first = _frame_end(head, 0)

@@ -1,4 +1,4 @@
-"""Attitudes of one source against the reference, sample by sample."""
+"""Attitudes of one filter or autopilot against the reference, sample by sample."""
 
 from collections import deque
 from math import nan
@@ -8,17 +8,12 @@ from attest_mav.algebra import heading_between, tilt_between
 from attest_mav.estimation.timebase import WRAP_NS
 from attest_mav.replay.consistency import Consistency
 from attest_mav.replay.metrics import SURE, ErrorColumns
-from attest_mav.replay.track import MEMORY_NS, AttitudeTrack
+from attest_mav.replay.reference_track import MEMORY_NS, ReferenceTrack
 from attest_mav.types import North, Quat
 
 
 class Attitude:
-    """One attitude to be compared.
-
-    elapsed_s: log time, from the first inertial sample. counted: it is past the time left out of the figures.
-    tilt_sigma, heading_sigma: what its source says of its own errors, 1-sigma, rad; NaN when nothing. velocity_nis,
-    field_nis: its normalised innovations squared, as in ``Estimate``.
-    """
+    """One attitude to be compared. Sigmas and innovations are those of ``Estimate``."""
 
     def __init__(
         self,
@@ -33,49 +28,57 @@ class Attitude:
         field_nis: float = nan,
     ) -> None:
         self.t_ns: Final = t_ns % WRAP_NS  # 32-bit clocks wrap, others do not: here all do
+        """Sensor clock, ns."""
         self.elapsed_s: Final = elapsed_s
+        """Log time, from the first inertial sample, s."""
         self.q_nb: Final = q_nb
         self.north: Final = north
         self.tilt_sigma: Final = tilt_sigma
+        """Standard deviation of the tilt, rad; NaN if unknown."""
         self.heading_sigma: Final = heading_sigma
+        """Standard deviation of the heading, rad; NaN if unknown."""
         self.counted: Final = counted
+        """True after the time that is left out of the figures."""
         self.velocity_nis: Final = velocity_nis
         self.field_nis: Final = field_nis
 
 
-class Row:
-    """One attitude with its errors (rad), None where there is nothing to compare it with."""
+class ComparedAttitude:
+    """One attitude with its errors against the reference."""
 
     def __init__(self, name: str, attitude: Attitude, tilt: float | None, heading: float | None) -> None:
         self.name: Final = name
+        """Filter or autopilot."""
         self.attitude: Final = attitude
         self.tilt: Final = tilt
+        """Tilt error, rad; None without a reference at that time."""
         self.heading: Final = heading
+        """Heading error, rad; None as above, or if the heading refers to no north."""
 
 
-class RowSink(Protocol):
-    """Where rows go, in order of time for each name."""
+class ComparisonSink(Protocol):
+    """Takes compared attitudes, for each name in order of time."""
 
-    def write(self, row: Row) -> None:
-        """Take one row."""
+    def write(self, compared: ComparedAttitude) -> None:
+        """Take the next one."""
 
 
 class Comparison:
-    """Compares the attitudes of one source with the reference at their times, as both arrive.
+    """Compares the attitudes of one filter or autopilot with the reference at their times, as both arrive.
 
-    An attitude waits until the reference has passed it, and no longer than the reference's memory lasts.
+    An attitude waits until the reference has passed its time, at most for the memory of the reference.
     """
 
-    def __init__(self, name: str, track: AttitudeTrack, sink: RowSink | None = None) -> None:
+    def __init__(self, name: str, reference: ReferenceTrack, sink: ComparisonSink | None = None) -> None:
         self.name: Final = name
         self.errors: Final = ErrorColumns()
         self.consistency: Final = Consistency()
-        self._track: Final = track
+        self._reference: Final = reference
         self._sink: Final = sink
         self._waiting: Final[deque[Attitude]] = deque()
 
     def add(self, attitude: Attitude) -> None:
-        """Take the next attitude of the source."""
+        """Take the next attitude."""
         waiting = self._waiting
         while waiting and not 0 <= attitude.t_ns - waiting[0].t_ns <= MEMORY_NS:
             self._compare(waiting.popleft())
@@ -83,13 +86,13 @@ class Comparison:
         self.settle()
 
     def settle(self) -> None:
-        """Compare what the reference has reached; to be called when it has grown."""
+        """Compare the attitudes that the reference has passed; to be called when the reference has grown."""
         waiting = self._waiting
-        while waiting and self._track.reaches(waiting[0].t_ns):
+        while waiting and self._reference.reaches(waiting[0].t_ns):
             self._compare(waiting.popleft())
 
     def finish(self) -> None:
-        """The log has ended: nothing is worth waiting for."""
+        """Compare the attitudes that still wait: the log has ended."""
         while self._waiting:
             self._compare(self._waiting.popleft())
 
@@ -98,7 +101,7 @@ class Comparison:
             self.consistency.take_step(attitude.tilt_sigma, attitude.velocity_nis, attitude.field_nis)
         tilt: float | None = None
         heading: float | None = None
-        truth = self._track.at(attitude.t_ns)
+        truth = self._reference.at(attitude.t_ns)
         if truth is not None:
             tilt = tilt_between(attitude.q_nb, truth)
             if attitude.north != North.RELATIVE:
@@ -106,10 +109,10 @@ class Comparison:
             if attitude.counted:
                 self._count(attitude, tilt, heading)
         if self._sink is not None:
-            self._sink.write(Row(self.name, attitude, tilt, heading))
+            self._sink.write(ComparedAttitude(self.name, attitude, tilt, heading))
 
     def _count(self, attitude: Attitude, tilt: float, heading: float | None) -> None:
-        """Make the errors (rad) part of the figures."""
+        """Add the errors (rad) to the figures."""
         self.errors.add(tilt, heading, attitude.tilt_sigma < SURE)
         self.consistency.tilt.add(tilt, attitude.tilt_sigma)
         if heading is not None:

@@ -1,37 +1,24 @@
-"""One recorded flight on its way through the filters: samples in, comparisons out."""
+"""The filters over one recorded flight: samples in, comparisons out."""
 
-from dataclasses import dataclass
 from math import inf, nan
 from typing import Final
 
 from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.estimation.timebase import WRAP_NS
 from attest_mav.filters.base import AttitudeFilter
-from attest_mav.logs.tlog.annotate import Weaver
-from attest_mav.replay.comparison import Attitude, Comparison, RowSink
+from attest_mav.logs.source import EstimateWriter, Plan
+from attest_mav.replay.comparison import Attitude, Comparison, ComparisonSink
 from attest_mav.replay.log_time import LogTime, Regularity
-from attest_mav.replay.plan import Plan
+from attest_mav.replay.reference_track import ReferenceTrack
+from attest_mav.replay.request import Window
 from attest_mav.replay.stamping import BurstStamp, Stamped
-from attest_mav.replay.track import AttitudeTrack
 from attest_mav.types import NO_TIME, AttitudeSample, EarthField, Estimate, ImuSample, North, Sample
 
-AUTOPILOT_ROW: Final = "autopilot"
-"""Name of the autopilot's own attitude among the rows."""
+AUTOPILOT: Final = "autopilot"
+"""Name of the autopilot's own attitude among the compared ones."""
 
 
-@dataclass(frozen=True)
-class Window:
-    """What part of a log is read, and counted; seconds of log time.
-
-    start_s, end_s: only inertial samples between them are taken. skip_s: left out of the figures after alignment.
-    """
-
-    start_s: float = 0.0
-    end_s: float = inf
-    skip_s: float = 30.0
-
-
-class Run:
+class FilterRun:
     """One filter over the flight."""
 
     def __init__(self, one: AttitudeFilter, imu: str, field: EarthField, comparison: Comparison) -> None:
@@ -39,14 +26,11 @@ class Run:
         self.pipeline: Final = Pipeline(PipelineSettings(), one, [imu])
         self.pipeline.set_field(field)
         self.aligned_s = inf
-        """Log time of the first estimate."""
+        """Log time of the first estimate, s."""
 
 
 class Flight:
-    """Takes the decoded samples of one vehicle in order.
-
-    field: without a declination headings stay magnetic.
-    """
+    """Takes the samples of one vehicle in order of time. Without a declination in ``field``, headings stay magnetic."""
 
     def __init__(
         self,
@@ -54,32 +38,35 @@ class Flight:
         filters: list[AttitudeFilter],
         field: EarthField,
         window: Window,
-        rows: RowSink | None = None,
-        weaver: Weaver | None = None,
+        sink: ComparisonSink | None = None,
+        writer: EstimateWriter | None = None,
     ) -> None:
-        track = AttitudeTrack()
-        self.runs: Final = [Run(one, plan.imu, field, Comparison(one.name, track, rows)) for one in filters]
-        self.autopilot: Final = Comparison(AUTOPILOT_ROW, track, rows) if plan.autopilot is not None else None
+        reference = ReferenceTrack()
+        self.runs: Final = [FilterRun(one, plan.imu, field, Comparison(one.name, reference, sink)) for one in filters]
+        self.autopilot: Final = Comparison(AUTOPILOT, reference, sink) if plan.autopilot is not None else None
+        """The comparison of the autopilot's own attitude."""
         self._comparisons: Final = [run.comparison for run in self.runs]
         if self.autopilot is not None:
             self._comparisons.append(self.autopilot)
         self.imu: Final = Regularity()
         self.reference_samples = 0
-        self.sender: Final = plan.sender
         self.window: Final = window
-        self._plan: Final = plan
-        self._weaver: Final = weaver
-        self._track: Final = track
+        self._imu_source: Final[str] = plan.imu
+        self._reference_source: Final[str | None] = plan.reference
+        self._autopilot_source: Final[str | None] = plan.autopilot
+        self._timing_source: Final[str | None] = plan.timing
+        self._writer: Final = writer
+        self._reference: Final = reference
         self._time: Final = LogTime()
         self._stamp: Final = BurstStamp()
         self._reading = window.start_s <= 0.0
 
-    def take(self, sample: Sample, offset: int) -> None:
-        """Take the next sample. ``offset``: where the record that it came from ends in the log."""
+    def take(self, sample: Sample, position: int = 0) -> None:
+        """Take the next sample. ``position``: the end of its record in the log, for the writer."""
         if isinstance(sample, ImuSample):
-            if sample.source == self._plan.imu:
-                self._take_imu(sample, offset)
-            if sample.source == self._plan.timing:
+            if sample.source == self._imu_source:
+                self._take_imu(sample, position)
+            if sample.source == self._timing_source:
                 self._take_stamped(self._stamp.timed(sample.t_ns, sample.rx_ns))
         elif isinstance(sample, AttitudeSample):
             self._take_attitude(sample)
@@ -92,10 +79,10 @@ class Flight:
         self._take_stamped(self._stamp.finish())
         for comparison in self._comparisons:
             comparison.finish()
-        if self._weaver is not None:
-            self._weaver.finish()
+        if self._writer is not None:
+            self._writer.finish()
 
-    def _take_imu(self, sample: ImuSample, offset: int) -> None:
+    def _take_imu(self, sample: ImuSample, position: int) -> None:
         elapsed_s = self._time.advance(sample.t_ns)
         self._reading = self.window.start_s <= elapsed_s <= self.window.end_s
         if not self._reading:
@@ -105,10 +92,10 @@ class Flight:
             for event in run.pipeline.handle(sample):
                 if isinstance(event, Estimate):
                     self._take_estimate(run, event, elapsed_s)
-                    if self._weaver is not None and run is self.runs[0]:
-                        self._weaver.insert(event, offset)
+                    if self._writer is not None and run is self.runs[0]:
+                        self._writer.insert(event, position)
 
-    def _take_estimate(self, run: Run, estimate: Estimate, elapsed_s: float) -> None:
+    def _take_estimate(self, run: FilterRun, estimate: Estimate, elapsed_s: float) -> None:
         run.aligned_s = min(run.aligned_s, elapsed_s)
         run.comparison.add(
             Attitude(
@@ -125,16 +112,16 @@ class Flight:
         )
 
     def _take_attitude(self, sample: AttitudeSample) -> None:
-        """The reference, the autopilot's attitude, or the message that lends the reference its time: or two of them."""
-        if sample.source == self._plan.timing:
+        """The reference, the autopilot's attitude, the message that times the reference, or two of these."""
+        if sample.source == self._timing_source:
             self._take_stamped(self._stamp.timed(sample.t_ns, sample.rx_ns))
-        if sample.source == self._plan.reference and self._reading:
+        if sample.source == self._reference_source and self._reading:
             self.reference_samples += 1
             if sample.t_ns == NO_TIME:
                 self._take_stamped(self._stamp.untimed(sample))
             else:
                 self._take_reference(sample, sample.t_ns)
-        if sample.source == self._plan.autopilot and self._reading:
+        if sample.source == self._autopilot_source and self._reading:
             self._take_own(sample)
 
     def _take_own(self, sample: AttitudeSample) -> None:
@@ -150,7 +137,7 @@ class Flight:
             self._take_reference(stamped.sample, stamped.t_ns)
 
     def _take_reference(self, sample: AttitudeSample, t_ns: int) -> None:
-        """The reference has grown: what waited for it can be compared."""
-        self._track.add(t_ns % WRAP_NS, sample.q_nb, sample.rates)
+        """Extend the reference, and compare the attitudes that waited for it."""
+        self._reference.add(t_ns % WRAP_NS, sample.q_nb, sample.rates)
         for comparison in self._comparisons:
             comparison.settle()

@@ -4,7 +4,7 @@ from array import array
 from math import fsum
 from typing import Final
 
-from attest_mav.replay.track import CLOCK_BACK_NS
+from attest_mav.replay.reference_track import CLOCK_BACK_NS
 
 GAP_S: Final = 0.1
 """A shorter pause is no gap, whatever the rate."""

@@ -12,17 +12,17 @@ DIGITS: Final = 6
 """Decimals of a degree, a second, a hertz or a share: more than any of them is good for."""
 
 
-def as_json(name: str, log_format: str, replay: Replay) -> dict[str, Any]:
+def as_json(name: str, replay: Replay) -> dict[str, Any]:
     """The object that ``replay --json`` prints for the log called ``name``."""
-    survey, plan, flight, window = replay.survey, replay.plan, replay.flight, replay.flight.window
+    summary, plan, flight, window = replay.summary, replay.plan, replay.flight, replay.flight.window
     rate_hz, gaps = flight.imu.rate_and_gaps()
     return {
         "log": name,
-        "format": log_format,
-        "frames": survey.census.frames,
-        "bad_bytes": survey.census.bad_bytes,
-        "duration_s": round(survey.duration_s, DIGITS),
-        "vehicle": {"system": plan.sender[0], "component": plan.sender[1]},
+        "format": summary.log_format,
+        "frames": summary.messages,
+        "bad_bytes": summary.bad_bytes,
+        "duration_s": round(summary.duration_s, DIGITS),
+        "vehicle": {"system": plan.vehicle[0], "component": plan.vehicle[1]},
         "imu": {
             "message": plan.imu,
             "samples": flight.imu.samples,
@@ -45,7 +45,7 @@ def as_json(name: str, log_format: str, replay: Replay) -> dict[str, Any]:
 
 
 def _north(replay: Replay) -> dict[str, Any]:
-    """What headings are referred to, and why."""
+    """The north that headings refer to, and the source of the declination."""
     field = replay.earth_field
     if field is None:
         return {"reference": "magnetic", "declination_deg": None, "source": None}
@@ -57,7 +57,7 @@ def _north(replay: Replay) -> dict[str, Any]:
 
 
 def _filter(comparison: Comparison) -> dict[str, Any]:
-    """One filter's figures, and what they say of its own sigmas; null for a filter that has none."""
+    """One filter's figures, and the consistency of its sigmas; null for a filter without sigmas."""
     has_sigma = comparison.consistency.has_sigma
     return {
         "name": comparison.name,
@@ -68,7 +68,7 @@ def _filter(comparison: Comparison) -> dict[str, Any]:
 
 
 def _valid(errors: ErrorColumns) -> dict[str, Any]:
-    """How often the filter was sure of its tilt (``metrics.SURE``), and how right it then was."""
+    """Share of the samples with a tilt sigma below ``metrics.SURE``, and the tilt error of these."""
     return {"share": round(errors.sure_samples / errors.samples, DIGITS), "tilt_deg": _spread(errors.sure_tilt())}
 
 
@@ -94,7 +94,7 @@ def _sigma_shares(count: SigmaCount) -> dict[str, float] | None:
 
 
 def _nis(nis: NisMean) -> dict[str, Any] | None:
-    """Mean normalised innovation squared and of how many; None where there were none."""
+    """Mean normalised innovation squared, and their number; None without innovations."""
     return {"mean": round(nis.mean, DIGITS), "n": nis.count} if nis.count else None
 
 
@@ -104,7 +104,7 @@ def _errors(comparison: Comparison) -> dict[str, Any]:
 
 
 def _spread(spread: Spread | None) -> dict[str, float] | None:
-    """Figures, or None where nothing could be compared."""
+    """Figures; None if nothing could be compared."""
     if spread is None:
         return None
     return {"rms": round(spread.rms, DIGITS), "p95": round(spread.p95, DIGITS), "max": round(spread.max, DIGITS)}

@@ -4,24 +4,15 @@ from pathlib import Path
 
 import pytest
 
-from attest_mav.mavlink.dialect import Dialect, load_dialect
 
-DATA = Path(__file__).parent.parent / "data"
+@pytest.fixture(scope="session")
+def copter_start(cuts: Path) -> bytes:
+    return (cuts / "copter_square_start.tlog").read_bytes()
 
 
 @pytest.fixture(scope="session")
-def dialect() -> Dialect:
-    return load_dialect()
-
-
-@pytest.fixture(scope="session")
-def copter_start() -> bytes:
-    return (DATA / "copter_square_start.tlog").read_bytes()
-
-
-@pytest.fixture(scope="session")
-def plane_turn() -> bytes:
-    return (DATA / "plane_circles_turn.tlog").read_bytes()
+def plane_turn(cuts: Path) -> bytes:
+    return (cuts / "plane_circles_turn.tlog").read_bytes()
 
 
 def records(log):

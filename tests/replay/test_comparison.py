@@ -4,7 +4,7 @@ import pytest
 
 from attest_mav.algebra import q_from_euler, q_heading, q_mul
 from attest_mav.replay.comparison import Attitude, Comparison
-from attest_mav.replay.track import AttitudeTrack
+from attest_mav.replay.reference_track import ReferenceTrack
 from attest_mav.types import North
 
 MS = 1_000_000
@@ -24,7 +24,7 @@ def attitude(t_ms, q_nb=LEVEL, north=North.TRUE, counted=True):
 
 
 def comparison_with(*reference_ms):
-    track, rows = AttitudeTrack(), Rows()
+    track, rows = ReferenceTrack(), Rows()
     for t_ms in reference_ms:
         track.add(t_ms * MS, LEVEL, None)
     return track, rows, Comparison("ours", track, rows)

@@ -6,12 +6,13 @@ from pymavlink.dialects.v20 import all as dialect_of_pymavlink
 
 from attest_mav.algebra import q_from_euler, q_heading
 from attest_mav.filters.registry import default_filter, filter_names
+from attest_mav.logs.tlog.source import TlogSource
 from attest_mav.replay.comparison import Attitude, Comparison
 from attest_mav.replay.consistency import NisMean, SigmaCount
-from attest_mav.replay.engine import Outputs, Request, replay
-from attest_mav.replay.flight import Window
+from attest_mav.replay.engine import replay
+from attest_mav.replay.reference_track import ReferenceTrack
 from attest_mav.replay.report import as_json
-from attest_mav.replay.track import AttitudeTrack
+from attest_mav.replay.request import Outputs, Request, Window
 from attest_mav.types import North
 
 MS = 1_000_000
@@ -44,7 +45,7 @@ def test_the_mean_nis_is_over_the_steps_that_had_one():
 
 def compared(*attitudes):
     """Comparison of these (tilt deg, heading deg, tilt sigma deg, heading sigma deg, counted) with a level truth."""
-    track = AttitudeTrack()
+    track = ReferenceTrack()
     comparison = Comparison("ours", track)
     for k, (tilt, heading, tilt_sigma, heading_sigma, counted) in enumerate(attitudes):
         track.add(k * MS, q_heading(0.0), None)
@@ -78,7 +79,7 @@ def test_each_error_is_held_against_the_sigma_of_its_own_sample():
 def figures(data_cut, dialect):
     """The JSON object of each filter, by name."""
     request = Request(tuple(map(default_filter, filter_names())), window=Window(skip_s=SKIP_S))
-    report = as_json("log", "tlog", replay(data_cut, dialect, request, Outputs()))
+    report = as_json("log", replay(TlogSource(data_cut, dialect), request, Outputs()))
     return {one["name"]: one for one in report["filters"]}
 
 
@@ -130,7 +131,7 @@ def test_every_fix_and_every_new_reading_of_the_compass_has_a_nis(figures, data_
 def test_without_a_reference_only_the_innovations_are_left(data_cut, dialect, without):
     kept = without(data_cut, *map(dialect.id_of, ("SIM_STATE", "ATTITUDE", "AHRS2")))
     request = Request((default_filter("velocity-aided"),), window=Window(skip_s=SKIP_S))
-    one = as_json("log", "tlog", replay(kept, dialect, request, Outputs()))["filters"][0]
+    one = as_json("log", replay(TlogSource(kept, dialect), request, Outputs()))["filters"][0]
     assert one["samples"] == 0
     assert one["valid"] is None
     assert (one["consistency"]["tilt"], one["consistency"]["heading"]) == (None, None)

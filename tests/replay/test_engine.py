@@ -6,9 +6,10 @@ import pytest
 
 from attest_mav.errors import UnreadableDataError
 from attest_mav.filters.gradient_descent.filter import GradientDescent
-from attest_mav.replay.engine import Outputs, Request, replay
-from attest_mav.replay.flight import Window
+from attest_mav.logs.tlog.source import TlogSource
+from attest_mav.replay.engine import replay
 from attest_mav.replay.report import as_json
+from attest_mav.replay.request import Outputs, Request, Window
 
 OURS = GradientDescent()
 ALL = Window(skip_s=0.0)
@@ -27,11 +28,11 @@ class Rows:
 
 def fly(log, window=ALL, imu=None, reference=None, declination_deg=None, filters=(OURS,), outputs=None):
     request = Request(filters, imu, reference, declination_deg, window)
-    return replay(log.data, log.dialect, request, outputs or Outputs())
+    return replay(TlogSource(log.data, log.dialect), request, outputs or Outputs())
 
 
 def report(log, **options):
-    return as_json("log", "tlog", fly(log, **options))
+    return as_json("log", fly(log, **options))
 
 
 def test_the_object_has_the_keys_of_the_contract(log):
@@ -129,7 +130,7 @@ def test_start_and_end_restrict_what_is_read(log):
 def test_a_replay_equals_itself_bit_for_bit_and_filters_do_not_touch_each_other(data_cut, dialect):
     def columns(*filters):
         request = Request(filters, window=Window(skip_s=1.0))
-        flown = replay(data_cut, dialect, request, Outputs())
+        flown = replay(TlogSource(data_cut, dialect), request, Outputs())
         return [(list(run.comparison.errors._tilt), list(run.comparison.errors._heading)) for run in flown.flight.runs]
 
     slow, quick = GradientDescent(beta=0.033), GradientDescent(beta=0.5)
@@ -304,7 +305,7 @@ def test_imu_messages_before_the_first_heartbeat_are_understood(log):
 
 def chosen(data, dialect):
     """Name of the filter that a log gets when nobody names one, and the notes about it."""
-    result = as_json("log", "tlog", replay(data, dialect, Request(window=ALL), Outputs()))
+    result = as_json("log", replay(TlogSource(data, dialect), Request(window=ALL), Outputs()))
     (one,) = result["filters"]
     return one["name"], [note for note in result["notes"] if "velocity" in note]
 

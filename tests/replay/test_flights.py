@@ -5,14 +5,15 @@ import pytest
 from pymavlink.dialects.v20 import all as dialect_of_pymavlink
 
 from attest_mav.filters.gradient_descent.filter import GradientDescent
-from attest_mav.replay.engine import Outputs, Request, replay
-from attest_mav.replay.flight import Window
+from attest_mav.logs.tlog.source import TlogSource
+from attest_mav.replay.engine import replay
 from attest_mav.replay.report import as_json
+from attest_mav.replay.request import Outputs, Request, Window
 
 
 def report(data, dialect, **options):
     request = Request((GradientDescent(),), **options)
-    return as_json("flight", "tlog", replay(data, dialect, request, Outputs()))
+    return as_json("flight", replay(TlogSource(data, dialect), request, Outputs()))
 
 
 def matrices(messages):

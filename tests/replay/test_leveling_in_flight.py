@@ -7,16 +7,17 @@ import pytest
 
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.leveling.filter import Leveling
-from attest_mav.replay.engine import Outputs, Request, replay
-from attest_mav.replay.flight import Window
+from attest_mav.logs.tlog.source import TlogSource
+from attest_mav.replay.csv_table import CsvTable
+from attest_mav.replay.engine import replay
 from attest_mav.replay.report import as_json
-from attest_mav.replay.rows import RowWriter
+from attest_mav.replay.request import Outputs, Request, Window
 
 
 def tilt_rms(data, dialect, *filters, **window):
     """Tilt rms of each filter in degrees."""
     request = Request(filters, window=Window(**window))
-    result = as_json("flight", "tlog", replay(data, dialect, request, Outputs()))
+    result = as_json("flight", replay(TlogSource(data, dialect), request, Outputs()))
     return [figures["tilt_deg"]["rms"] for figures in result["filters"]]
 
 
@@ -24,7 +25,7 @@ def tilt_errors(data, dialect, name):
     """(seconds since the first estimate, tilt error in degrees) of one filter."""
     rows = StringIO()
     request = Request((Leveling(),), window=Window(skip_s=0.0))
-    replay(data, dialect, request, Outputs(rows=RowWriter(rows)))
+    replay(TlogSource(data, dialect), request, Outputs(CsvTable(rows).rows_of("flight")))
     rows.seek(0)
     errors = [
         (float(r["t_s"]), float(r["tilt_error_deg"]))

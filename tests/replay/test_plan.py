@@ -1,16 +1,12 @@
 import pytest
 
 from attest_mav.errors import UnreadableDataError, UsageError
-from attest_mav.logs.tlog.reader import read_windows
-from attest_mav.logs.tlog.survey import Survey
+from attest_mav.logs.tlog.source import TlogSource
 from attest_mav.replay.plan import check_names, make_plan
 
 
 def plan_of(log, imu=None, reference=None):
-    survey = Survey(log.dialect)
-    for frames in read_windows(log.data, survey.census):
-        survey.take(frames)
-    return make_plan(survey, imu, reference)
+    return make_plan(TlogSource(log.data, log.dialect).summary(), imu, reference)
 
 
 def fill(log, **counts):

@@ -7,18 +7,19 @@ import numpy as np
 import pytest
 
 from attest_mav.filters.velocity_aided.filter import VelocityAided
-from attest_mav.replay.engine import Outputs, Request, replay
-from attest_mav.replay.flight import Window
+from attest_mav.logs.tlog.source import TlogSource
+from attest_mav.replay.csv_table import CsvTable
+from attest_mav.replay.engine import replay
 from attest_mav.replay.report import as_json
-from attest_mav.replay.rows import RowWriter
+from attest_mav.replay.request import Outputs, Request, Window
 
 
 def flown(data, dialect, **window):
     """The figures of the replay, and the rows of the filter's estimates as columns."""
     rows = StringIO()
     request = Request((VelocityAided(),), window=Window(**window))
-    outputs = Outputs(rows=RowWriter(rows))
-    figures = as_json("flight", "tlog", replay(data, dialect, request, outputs))
+    outputs = Outputs(CsvTable(rows).rows_of("flight"))
+    figures = as_json("flight", replay(TlogSource(data, dialect), request, outputs))
     rows.seek(0)
     table = [r for r in csv.DictReader(rows) if r["filter"] == "velocity-aided"]
     names = ("t_s", "tilt_error_deg", "heading_error_deg", "tilt_sigma_deg", "heading_sigma_deg")

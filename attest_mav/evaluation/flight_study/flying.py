@@ -16,10 +16,11 @@ from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.registry import default_filter
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.mavlink.dialect import load_dialect
-from attest_mav.replay.comparison import Row
+from attest_mav.logs.tlog.source import open_tlog
+from attest_mav.replay.comparison import ComparedAttitude
 from attest_mav.replay.engine import Recording, record
-from attest_mav.replay.flight import AUTOPILOT_ROW, Flight, Window
+from attest_mav.replay.flight import AUTOPILOT, Flight
+from attest_mav.replay.request import Window
 from attest_mav.types import EarthField, Sample
 
 Column = NDArray[np.float64]
@@ -60,19 +61,19 @@ class Errors:
 
 
 class ErrorLog:
-    """Takes the rows of a flight, of filters and autopilot alike."""
+    """Takes the compared attitudes of a flight, of filters and autopilot alike."""
 
     def __init__(self) -> None:
         self._columns: Final[dict[str, array[float]]] = {}
 
-    def write(self, row: Row) -> None:
-        """Take one row."""
-        attitude = row.attitude
-        self._columns.setdefault(row.name, array("d")).extend(
+    def write(self, compared: ComparedAttitude) -> None:
+        """Take the next one."""
+        attitude = compared.attitude
+        self._columns.setdefault(compared.name, array("d")).extend(
             (
                 attitude.elapsed_s,
-                nan if row.tilt is None else row.tilt,
-                nan if row.heading is None else row.heading,
+                nan if compared.tilt is None else compared.tilt,
+                nan if compared.heading is None else compared.heading,
                 attitude.tilt_sigma,
                 attitude.heading_sigma,
                 float(attitude.counted),
@@ -138,7 +139,7 @@ class Flown:
 @lru_cache(maxsize=1)
 def recorded(log: bytes) -> Recording:
     """The log decoded; trials of one log follow each other, so that each process decodes it once."""
-    return record(log, load_dialect())
+    return record(open_tlog(log))
 
 
 def flown(trial: Trial) -> Flown:
@@ -154,14 +155,14 @@ def fly(recording: Recording, samples: Sequence[Sample], one: AttitudeFilter, wi
     log = ErrorLog()
     flight = Flight(
         recording.plan,
-        [one.with_vehicle_settings(recording.facts)],
+        [one.with_vehicle_settings(recording.settings)],
         EarthField() if field is None else field.direction,
         window,
-        rows=log,
+        sink=log,
     )
     for sample in samples:
-        flight.take(sample, 0)
+        flight.take(sample)
     flight.finish()
     errors = log.errors()
     nothing = _errors(array("d"))
-    return Flown(errors.get(one.name, nothing), errors.get(AUTOPILOT_ROW, nothing))
+    return Flown(errors.get(one.name, nothing), errors.get(AUTOPILOT, nothing))

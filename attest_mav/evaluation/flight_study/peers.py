@@ -17,7 +17,7 @@ from attest_mav.algebra import q_heading, q_mul
 from attest_mav.evaluation.flight_study.flights import rate_hz
 from attest_mav.evaluation.flight_study.flying import Chosen, Errors, fly, recorded
 from attest_mav.replay.engine import Recording
-from attest_mav.replay.flight import Window
+from attest_mav.replay.request import Window
 from attest_mav.types import G_MPS2, AttitudeForm, AttitudeRole, AttitudeSample, ImuSample, Quat, Sample
 
 PEERS: Final = ("vqf", "imufusion")

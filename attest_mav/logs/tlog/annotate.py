@@ -1,25 +1,22 @@
-"""A log with our attitudes woven in: every byte of the original stays, in order, and our records come between them."""
+"""A tlog with our attitudes inserted: all bytes of the original stay, in order, and our records stand between them."""
 
 from mmap import mmap
-from typing import Final, Protocol
+from typing import Final
 
+from attest_mav.logs.source import ByteSink
 from attest_mav.logs.tlog.reader import tlog_record
 from attest_mav.mavlink.component.encoder import Encoder
 from attest_mav.mavlink.component.ports import boot_ms, is_sound
 from attest_mav.types import Estimate
 
+OUR_COMPONENT: Final = 193
+"""The component id of inserted messages, the daemon's default."""
+
 COPY_BYTES: Final = 1 << 20
 """The original is copied in pieces of this size."""
 
 
-class ByteSink(Protocol):
-    """Where the woven log goes: a file object, say."""
-
-    def write(self, data: bytes, /) -> object:
-        """Take the next bytes."""
-
-
-class Weaver:
+class AnnotatedLogWriter:
     """Writes ATTITUDE_QUATERNION of our own component behind the record of each sample it was estimated from."""
 
     def __init__(self, original: mmap | bytes, sink: ByteSink, encoder: Encoder) -> None:
@@ -28,19 +25,19 @@ class Weaver:
         self._encoder: Final = encoder
         self._copied = 0
 
-    def insert(self, estimate: Estimate, offset: int) -> None:
-        """Insert an estimate at this offset of the original: the end of its sample's record. Offsets never go back.
+    def insert(self, estimate: Estimate, position: int) -> None:
+        """Insert an estimate at this offset of the original, the end of its sample's record. Offsets never decrease.
 
-        What the daemon would not send is not inserted.
+        An estimate that the daemon would not send is not inserted.
         """
         if not is_sound(estimate):
             return
-        self._copy_to(offset)
+        self._copy_to(position)
         frame = self._encoder.attitude_quaternion(boot_ms(estimate.t_ns), estimate.q_nb, estimate.rates)
         self._sink.write(tlog_record(estimate.rx_ns, frame))
 
     def finish(self) -> None:
-        """Copy what is left of the original."""
+        """Copy the rest of the original."""
         self._copy_to(len(self._original))
 
     def _copy_to(self, offset: int) -> None:

@@ -5,7 +5,7 @@ from itertools import chain
 from mmap import MADV_DONTNEED, PAGESIZE, mmap
 from typing import Final
 
-from attest_mav.logs.tlog.walker import Recording
+from attest_mav.logs.tlog.walker import TlogWalker
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
 
@@ -23,11 +23,11 @@ class TlogReader:
 
     def __init__(self, buffer: mmap | bytes, dialect: Dialect, wanted: frozenset[int] | None = None) -> None:
         self._buffer: Final = buffer
-        self._recording: Final = Recording(dialect, wanted)
+        self._walker: Final = TlogWalker(dialect, wanted)
 
     def batches(self) -> Iterator[list[Frame]]:
         """The wanted frames, those of one stretch of the log at a time."""
-        return read_windows(self._buffer, self._recording)
+        return read_windows(self._buffer, self._walker)
 
     def __iter__(self) -> Iterator[Frame]:
         return chain.from_iterable(self.batches())
@@ -39,58 +39,53 @@ class TlogReader:
     @property
     def frames(self) -> int:
         """Intact frames, wanted or not."""
-        return self._recording.frames
+        return self._walker.frames
 
     @property
     def bad_bytes(self) -> int:
         """Bytes that belong to no intact frame and its time stamp."""
-        return self._recording.bad_bytes
+        return self._walker.bad_bytes
 
     @property
     def bad_crc(self) -> int:
         """Candidates with a known id whose checksum does not fit."""
-        return self._recording.bad_crc
+        return self._walker.bad_crc
 
     @property
     def unknown(self) -> int:
         """Frames with ids that the dialect does not know, passed over."""
-        return self._recording.unknown
+        return self._walker.unknown
 
     @property
     def lost(self) -> int:
         """Frames missing by their senders' sequence numbers."""
-        return self._recording.lost
+        return self._walker.lost
 
     @property
     def bad_stamps(self) -> int:
         """Wanted frames whose recorded time was not believed."""
-        return self._recording.bad_stamps
+        return self._walker.bad_stamps
 
 
-def read_windows(buffer: mmap | bytes, recording: Recording) -> Iterator[list[Frame]]:
-    """Walks a recording over the whole buffer: the wanted frames, those of one window at a time."""
+def read_windows(buffer: mmap | bytes, walker: TlogWalker) -> Iterator[list[Frame]]:
+    """Walks over the whole buffer: the wanted frames, those of one window at a time."""
     length = len(buffer)
     final = False
     while not final:
-        start = recording.position
+        start = walker.position
         window = buffer[start : start + WINDOW_BYTES]
         final = start + len(window) == length
-        yield recording.walk(window, final)
-        _give_back(buffer, start, recording.position)
+        yield walker.walk(window, final)
+        _give_back(buffer, start, walker.position)
 
 
 def _give_back(buffer: mmap | bytes, start: int, stop: int) -> None:
-    """Let go of the whole pages of a mapped file that have been read: kept, they would all count as memory."""
+    """Release the whole pages of a mapped file that have been read; pages kept would all count as memory."""
     if isinstance(buffer, mmap):
         first = start - start % PAGESIZE
         length = stop - stop % PAGESIZE - first
         if length > 0:
             buffer.madvise(MADV_DONTNEED, first, length)
-
-
-def read_tlog(buffer: mmap | bytes, dialect: Dialect, wanted: frozenset[int] | None = None) -> Iterator[Frame]:
-    """The wanted frames of a tlog."""
-    return iter(TlogReader(buffer, dialect, wanted))
 
 
 def tlog_record(rx_ns: int, frame: bytes) -> bytes:

@@ -29,7 +29,7 @@ _MAX_STEP_BACK_US: Final = 1_000_000
 _MAX_STEP_US: Final = 10_000_000
 
 
-class Recording(Walker):
+class TlogWalker(Walker):
     """The frames of a recording, from windows of it. bad_stamps counts the times that were not believed."""
 
     def __init__(self, dialect: Dialect, wanted: frozenset[int] | None) -> None:

@@ -9,10 +9,11 @@ from attest_mav.evaluation.flight_study.figures import largest, p95, rms
 from attest_mav.evaluation.flight_study.flights import evenly, flying_interval, rate_hz, turn_tilt_deg, turning_times
 from attest_mav.evaluation.flight_study.flying import Chosen, Trial, flown, recorded
 from attest_mav.filters.registry import default_filter
+from attest_mav.logs.tlog.source import TlogSource
 from attest_mav.mavlink.dialect import load_dialect
-from attest_mav.replay.engine import Outputs, Request, replay
-from attest_mav.replay.flight import Window
+from attest_mav.replay.engine import replay
 from attest_mav.replay.report import as_json
+from attest_mav.replay.request import Outputs, Request, Window
 from attest_mav.types import VelocitySample
 
 
@@ -22,7 +23,7 @@ def test_an_unedited_flight_gives_the_figures_of_the_replay(data, cut, name):
     log = (data / f"{cut}.tlog").read_bytes()
     result = flown(Trial(log, Chosen(name), WHOLE, skip_s=5.0))
     request = Request((default_filter(name),), window=Window(skip_s=5.0))
-    report = as_json(cut, "tlog", replay(log, load_dialect(), request, Outputs()))
+    report = as_json(cut, replay(TlogSource(log, load_dialect()), request, Outputs()))
     sides = [(result.ours, report["filters"][0]), (result.autopilot, report["autopilot"])]
     for errors, expected in sides:
         if expected is None:

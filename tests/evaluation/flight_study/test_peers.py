@@ -5,8 +5,8 @@ from attest_mav.algebra import q_heading, tilt_between
 from attest_mav.earth_field import LocalField
 from attest_mav.evaluation.flight_study.flying import recorded
 from attest_mav.evaluation.flight_study.peers import CARRIER, PEERS, _steps, installed_peers, peer_flown, with_peer
+from attest_mav.logs.source import Plan
 from attest_mav.replay.engine import Recording
-from attest_mav.replay.plan import Plan
 from attest_mav.types import AttitudeSample, VehicleSettings
 
 AT_REST = Plan((1, 1), "RAW_IMU", "SIM_STATE", None, "RAW_IMU")

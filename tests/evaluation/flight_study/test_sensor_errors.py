@@ -14,7 +14,7 @@ def of(kind, samples):
     return [sample for sample in samples if isinstance(sample, kind)]
 
 
-def spoilt(samples, seed=1, **errors):
+def with_errors(samples, seed=1, **errors):
     return with_sensor_errors(samples, "RAW_IMU", errors=replace(NONE, **errors), seed=seed)
 
 
@@ -23,7 +23,7 @@ def column(samples, name):
 
 
 def test_no_errors_change_nothing(stream):
-    after = spoilt(stream)
+    after = with_errors(stream)
     for name in ("gyro", "accel", "mag"):
         assert column(after, name) == pytest.approx(column(stream, name), abs=1e-9)
     assert [sample.t_ns for sample in after] == [sample.t_ns for sample in stream]
@@ -57,7 +57,7 @@ def test_readings_are_whole_units_again(stream):
 def test_biases_have_their_size_on_every_axis_and_signs_of_their_own(stream):
     signs = set()
     for seed in range(8):
-        after = spoilt(stream, seed, gyro_bias=0.02, accel_bias=0.0980665, hard_iron=0.01)
+        after = with_errors(stream, seed, gyro_bias=0.02, accel_bias=0.0980665, hard_iron=0.01)
         gyro = column(after, "gyro") - column(stream, "gyro")
         accel = column(after, "accel") - column(stream, "accel")
         mag = column(after, "mag") - column(stream, "mag")
@@ -70,20 +70,20 @@ def test_biases_have_their_size_on_every_axis_and_signs_of_their_own(stream):
 
 
 def test_white_errors_have_their_size(stream):
-    after = spoilt(stream, gyro=0.05, accel=0.5)
+    after = with_errors(stream, gyro=0.05, accel=0.5)
     # 500 samples show a standard deviation to 3 %.
     assert np.std(column(after, "gyro"), axis=0) == pytest.approx(np.full(3, 0.05), rel=0.12)
     assert np.std(column(after, "accel"), axis=0) == pytest.approx(np.full(3, 0.5), rel=0.12)
 
 
 def test_a_repeated_field_keeps_its_error_until_the_compass_reads_again(stream):
-    field = column(spoilt(stream, mag=0.02), "mag")
+    field = column(with_errors(stream, mag=0.02), "mag")
     changes = np.any(np.diff(field, axis=0) != 0.0, axis=1)
     assert set(np.diff(np.flatnonzero(changes))) == {5}  # a reading every 100 ms, five samples
 
 
 def test_a_fix_that_is_late_comes_and_is_stamped_later(stream):
-    after = spoilt(stream, latency_s=0.03)
+    after = with_errors(stream, latency_s=0.03)
     for kind in (VelocitySample, PositionSample):
         late = [a.t_ns - b.t_ns for a, b in zip(of(kind, after), of(kind, stream), strict=True)]
         assert set(late) == {30_000_000}
@@ -101,7 +101,7 @@ def test_velocity_errors_are_white_and_correlated(stream):
     white, slow = [], []
     for seed in range(40):
         for errors, found in (({"velocity": 0.2}, white), ({"velocity_correlated": 0.2}, slow)):
-            after = of(VelocitySample, spoilt(fixes, seed, **errors))
+            after = of(VelocitySample, with_errors(fixes, seed, **errors))
             found.append([a.v_ned[0] - b.v_ned[0] for a, b in zip(after, fixes, strict=True)])
     assert np.std(white) == pytest.approx(0.2, rel=0.1)
     assert np.std(slow) == pytest.approx(0.2, rel=0.3)
@@ -112,6 +112,6 @@ def test_velocity_errors_are_white_and_correlated(stream):
 
 def test_a_fix_that_is_sent_again_has_the_error_that_it_had(stream):
     fixes = [one for one in of(VelocitySample, stream) for _ in range(2)]
-    after = spoilt(fixes, velocity=0.2, velocity_correlated=0.2)
+    after = with_errors(fixes, velocity=0.2, velocity_correlated=0.2)
     assert [one.v_ned for one in after[::2]] == [one.v_ned for one in after[1::2]]
     assert len({one.v_ned for one in after}) == len(after) // 2

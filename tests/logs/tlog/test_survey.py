@@ -1,31 +1,42 @@
 from collections import Counter
+from math import isnan
 
 import pytest
 
-from attest_mav.logs.tlog.census import EVERY, FIRST
+from attest_mav.logs.tlog.message_counter import EVERY, FIRST
 from attest_mav.logs.tlog.reader import TlogReader, read_windows
+from attest_mav.logs.tlog.source import TlogSource
 from attest_mav.logs.tlog.survey import Survey
+from attest_mav.types import Setting
+
+INT16 = 4
 
 
 def survey_of(data, dialect):
     survey, given = Survey(dialect), []
-    for frames in read_windows(data, survey.census):
+    for frames in read_windows(data, survey.counter):
         survey.take(frames)
         given += frames
     return survey, given
 
 
+def summary_of(log):
+    return TlogSource(log.data, log.dialect).summary()
+
+
 def test_counts_and_times_equal_those_of_reading_every_frame(data_cut, dialect):
     damaged = data_cut[:70_000] + b"\xfd garbage" + data_cut[70_000:-3]
     survey, _ = survey_of(damaged, dialect)
+    summary = TlogSource(damaged, dialect).summary()
     reader = TlogReader(damaged, dialect)
     frames = list(reader)
     counted = Counter(dialect.name_of(frame.message_id) for frame in frames)
-    assert {name: survey.count((1, 1), name) for name in counted} == counted
-    assert survey.senders() == [(1, 1)]
-    assert survey.duration_s == (frames[-1].rx_ns - frames[0].rx_ns) * 1e-9
+    assert summary.vehicles.keys() == {(1, 1)}
+    assert summary.vehicles[1, 1].counts == counted
+    assert summary.duration_s == (frames[-1].rx_ns - frames[0].rx_ns) * 1e-9
+    assert (summary.messages, summary.bad_bytes) == (reader.frames, reader.bad_bytes)
     for counter in ("frames", "bad_bytes", "bad_crc", "unknown", "lost"):
-        assert getattr(survey.census, counter) == getattr(reader, counter)
+        assert getattr(survey.counter, counter) == getattr(reader, counter)
 
 
 def test_few_frames_are_made_but_the_first_of_each_sender_are(log):
@@ -33,8 +44,8 @@ def test_few_frames_are_made_but_the_first_of_each_sender_are(log):
         log.heartbeat(k)
         if k % 10 == 0:
             log.heartbeat(k, sender=(7, 1))
-    survey, given = survey_of(log.data, log.dialect)
-    assert survey.count((1, 1), "HEARTBEAT") == 1000
+    _, given = survey_of(log.data, log.dialect)
+    assert summary_of(log).vehicles[1, 1].count("HEARTBEAT") == 1000
     by_sender = Counter(frame.system for frame in given)
     assert by_sender[1] == FIRST + (1000 - FIRST + EVERY - 1) // EVERY
     assert by_sender[7] == FIRST + (100 - FIRST + EVERY - 1) // EVERY
@@ -45,8 +56,11 @@ def test_only_what_flies_is_an_autopilot(log):
     log.heartbeat(autopilot=12, sender=(3, 1))
     survey, _ = survey_of(log.data, log.dialect)
     assert list(survey.heartbeats) == [(3, 1)]
-    assert survey.autopilot((3, 1)) == 12
-    assert survey.autopilot((255, 190)) is None
+    assert survey.autopilots == {3: 12}
+    assert {one.vehicle: one.is_autopilot for one in summary_of(log).vehicles.values()} == {
+        (3, 1): True,
+        (255, 190): False,
+    }
 
 
 FIX = {"fix_type": 3, "lat": 480_000_000, "lon": 110_000_000, "vel": 500, "cog": 9000}
@@ -92,3 +106,43 @@ def test_the_first_position_with_a_fix_is_kept(log):
     log.add("GPS_RAW_INT", 2, {"fix_type": 3, "lat": 490_000_000, "lon": 120_000_000})
     survey, _ = survey_of(log.data, log.dialect)
     assert (survey.positions[1].latitude_deg, survey.positions[1].longitude_deg) == (48.0, 11.0)
+
+
+def tell(log, name, value, sender=(1, 1)):
+    log.add("PARAM_VALUE", 0, {"param_id": name, "param_value": value, "param_type": INT16}, sender)
+
+
+def test_of_a_whole_download_only_the_settings_are_decoded(log):
+    log.heartbeat()
+    for index in range(1200):
+        tell(log, b"OTHER_%d" % index, 1.0)
+    # The settings stand near the end, where few frames of a kind are sampled.
+    tell(log, b"INS_GYRO_FILTER", 42.0)
+    tell(log, b"GPS_DELAY_MS", 220.0)
+    tell(log, b"LAST", 1.0)
+    tell(log, b"LAST", 1.0, sender=(2, 1))
+    _, given = survey_of(log.data, log.dialect)
+    assert [frame.message_id for frame in given].count(log.dialect.id_of("PARAM_VALUE")) == 2
+    vehicle = summary_of(log).vehicles[1, 1]
+    assert vehicle.count("PARAM_VALUE") == 1203
+    assert [(one.setting, one.name, one.value) for one in vehicle.parameters] == [
+        (Setting.LOW_PASS_HZ, "INS_GYRO_FILTER", 42.0),
+        (Setting.FIX_DELAY_S, "GPS_DELAY_MS", pytest.approx(0.22)),
+    ]
+    assert (vehicle.settings.low_pass_hz, vehicle.settings.fix_delay_s) == (42.0, pytest.approx(0.22))
+    assert summary_of(log).vehicles[2, 1].parameters == ()
+
+
+def test_a_name_that_fills_its_field_and_one_that_is_cut_are_no_settings(log):
+    tell(log, b"INS_GYRO_FILTERS", 42.0)
+    tell(log, b"INS_GYRO_FILTE", 42.0)
+    log.add("PARAM_VALUE", 0, {})
+    assert survey_of(log.data, log.dialect)[0].parameters == {}
+
+
+@pytest.mark.parametrize(("autopilot", "low_pass_hz"), [(12, 0.0), (3, None), (8, None)])
+def test_the_firmware_tells_a_setting_too(log, autopilot, low_pass_hz):
+    log.heartbeat(autopilot=autopilot)
+    settings = summary_of(log).vehicles[1, 1].settings
+    assert settings.low_pass_hz == low_pass_hz if low_pass_hz is not None else isnan(settings.low_pass_hz)
+    assert isnan(settings.fix_delay_s)

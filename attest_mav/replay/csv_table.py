@@ -1,11 +1,11 @@
-"""Attitudes and their errors as comma-separated values, one row each."""
+"""Compared attitudes as comma-separated values, one row each."""
 
 import csv
 from math import degrees, isfinite
-from typing import Final, Protocol
+from typing import Any, Final, Protocol
 
 from attest_mav.algebra import q_to_euler
-from attest_mav.replay.comparison import Row
+from attest_mav.replay.comparison import ComparedAttitude
 
 HEADER: Final = (
     "log",
@@ -26,33 +26,43 @@ HEADER: Final = (
     "heading_sigma_deg",
     "counted",
 )
-"""t_s: from the first inertial sample, on the sensor's clock. counted: 1 when the row is part of the figures."""
+"""t_s counts from the first inertial sample, on the sensor's clock; counted is 1 for rows that enter the figures."""
 
 
 class TextSink(Protocol):
-    """Where the text goes: a file object, say."""
+    """Takes text, for example a file object."""
 
     def write(self, text: str, /) -> object:
         """Take more text."""
 
 
-class RowWriter:
-    """Writes the rows of one or several logs under one header. Fields without a value are empty."""
+class CsvTable:
+    """One table for the attitudes of several logs, with one header."""
 
     def __init__(self, sink: TextSink) -> None:
-        self.log = ""
-        """Name of the log that the next rows belong to."""
-        self._csv = csv.writer(sink, lineterminator="\n")
+        self._csv: Final = csv.writer(sink, lineterminator="\n")
         self._csv.writerow(HEADER)
 
-    def write(self, row: Row) -> None:
+    def rows_of(self, log: str) -> "CsvRows":
+        """The part of the table for the log of that name."""
+        return CsvRows(self._csv, log)
+
+
+class CsvRows:
+    """Writes the attitudes of one log. Fields without a value are empty."""
+
+    def __init__(self, writer: Any, log: str) -> None:
+        self._csv: Final = writer
+        self._log: Final = log
+
+    def write(self, compared: ComparedAttitude) -> None:
         """Write one row."""
-        attitude = row.attitude
+        attitude = compared.attitude
         roll, pitch, yaw = q_to_euler(attitude.q_nb)
         self._csv.writerow(
             (
-                self.log,
-                row.name,
+                self._log,
+                compared.name,
                 f"{attitude.elapsed_s:.6f}",
                 f"{attitude.t_ns * 1e-9:.6f}",
                 f"{degrees(roll):.6f}",
@@ -60,11 +70,11 @@ class RowWriter:
                 f"{degrees(yaw):.6f}",
                 *(f"{part:.9f}" for part in attitude.q_nb),
                 attitude.north.name.lower(),
-                _degrees(row.tilt),
-                _degrees(row.heading),
+                _degrees(compared.tilt),
+                _degrees(compared.heading),
                 _degrees(attitude.tilt_sigma),
                 _degrees(attitude.heading_sigma),
-                int(attitude.counted and row.tilt is not None),
+                int(attitude.counted and compared.tilt is not None),
             )
         )
 

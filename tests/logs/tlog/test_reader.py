@@ -9,8 +9,8 @@ import tracemalloc
 import pytest
 from pymavlink import mavutil
 
-from attest_mav.logs.tlog.reader import TlogReader, read_tlog, tlog_record
-from attest_mav.logs.tlog.walker import MARGIN, Recording
+from attest_mav.logs.tlog.reader import TlogReader, tlog_record
+from attest_mav.logs.tlog.walker import MARGIN, TlogWalker
 
 TOTALS = {
     "sitl/copter_square.tlog": 158210,
@@ -43,7 +43,7 @@ def test_every_message_and_time_is_pymavlinks(dialect, request, tmp_path, name):
         if message.get_type() != "BAD_DATA":
             theirs.append((bytes(message.get_msgbuf()), round(message._timestamp * 1e6)))
     oracle.close()
-    frames = list(read_tlog(log, dialect))
+    frames = list(TlogReader(log, dialect))
     assert list(zip(raw(log, frames), (frame.rx_ns // 1000 for frame in frames), strict=True)) == theirs
 
 
@@ -56,7 +56,7 @@ def test_the_vtol_flight_agrees_with_mavlogfile_type_by_type(dialect, data_folde
         theirs[message.get_type(), message.get_srcSystem()] += 1
     oracle.close()
     ours = collections.Counter(
-        (dialect.name_of(frame.message_id), frame.system) for frame in read_tlog(path.read_bytes(), dialect)
+        (dialect.name_of(frame.message_id), frame.system) for frame in TlogReader(path.read_bytes(), dialect)
     )
     assert ours == theirs
 
@@ -93,7 +93,7 @@ def test_a_log_that_starts_in_the_middle_of_a_record(dialect, copter_start, copt
     for start in (frame - 3, frame, frame + 5):
         log = copter_start[start:]
         ends = [end - start for _, begin, end in copter_start_records if begin >= start]
-        assert [f.offset + f.size for f in read_tlog(log, dialect)] == ends
+        assert [f.offset + f.size for f in TlogReader(log, dialect)] == ends
 
 
 @pytest.mark.parametrize("size", [MARGIN + 400, 5000, 30000])
@@ -104,9 +104,9 @@ def test_windows_do_not_change_what_is_found(dialect, plane_turn, size):
         damaged[rng.randrange(len(damaged))] ^= rng.randint(1, 255)
     damaged[40000:40000] = rng.randbytes(3000)
     log = bytes(damaged)
-    whole = Recording(dialect, None)
+    whole = TlogWalker(dialect, None)
     expected = whole.walk(log, True)
-    windows = Recording(dialect, None)
+    windows = TlogWalker(dialect, None)
     found = []
     final = False
     while not final:

@@ -4,11 +4,12 @@ import math
 import pytest
 
 from attest_mav.filters.gradient_descent.filter import GradientDescent
-from attest_mav.logs.tlog.annotate import Weaver
+from attest_mav.logs.tlog.annotate import OUR_COMPONENT, AnnotatedLogWriter
 from attest_mav.logs.tlog.reader import TlogReader
+from attest_mav.logs.tlog.source import TlogSource
 from attest_mav.mavlink.component.encoder import Encoder
-from attest_mav.replay.engine import OUR_COMPONENT, Outputs, Request, replay
-from attest_mav.replay.flight import Window
+from attest_mav.replay.engine import replay
+from attest_mav.replay.request import Outputs, Request, Window
 from attest_mav.types import Estimate, North
 
 
@@ -20,43 +21,43 @@ class Rows:
         self.rows.append(row)
 
 
-def weave(data, dialect, *filters):
-    woven = io.BytesIO()
-    replay(data, dialect, Request(filters, window=Window(skip_s=0.0)), Outputs(woven=woven))
-    return woven.getvalue()
+def annotate(data, dialect, *filters):
+    annotated = io.BytesIO()
+    replay(TlogSource(data, dialect), Request(filters, window=Window(skip_s=0.0)), Outputs(annotated=annotated))
+    return annotated.getvalue()
 
 
 def attitudes(data, dialect, one):
     rows = Rows()
-    replay(data, dialect, Request((one,), window=Window(skip_s=0.0)), Outputs(rows))
+    replay(TlogSource(data, dialect), Request((one,), window=Window(skip_s=0.0)), Outputs(rows))
     return [row.attitude for row in rows.rows if row.name == one.name]
 
 
 def test_without_our_records_the_original_is_left_byte_for_byte(data_cut, dialect):
     damaged = data_cut[:50_000] + b"garbage \xfd\xfe" + data_cut[50_000:-5]
-    woven = weave(damaged, dialect, GradientDescent())
+    annotated = annotate(damaged, dialect, GradientDescent())
     kept, last = b"", 0
-    for frame in TlogReader(woven, dialect, frozenset({dialect.id_of("ATTITUDE_QUATERNION")})):
-        kept += woven[last : frame.offset - 8]
+    for frame in TlogReader(annotated, dialect, frozenset({dialect.id_of("ATTITUDE_QUATERNION")})):
+        kept += annotated[last : frame.offset - 8]
         last = frame.offset + frame.size
-    assert kept + woven[last:] == damaged
+    assert kept + annotated[last:] == damaged
 
 
 @pytest.mark.parametrize("q", [(math.nan, 0.0, 0.0, 0.0), (2.0, 0.0, 0.0, 0.0)])
 def test_what_the_daemon_would_not_send_is_not_inserted(dialect, q):
-    woven = io.BytesIO()
-    weaver = Weaver(b"original", woven, Encoder(dialect, 1, OUR_COMPONENT))
-    weaver.insert(Estimate("RAW_IMU", "any", 0, 0, q, (0.0, 0.0, 0.0), North.TRUE, 0.0, 0.0, 0.02), 4)
-    weaver.finish()
-    assert woven.getvalue() == b"original"
+    annotated = io.BytesIO()
+    writer = AnnotatedLogWriter(b"original", annotated, Encoder(dialect, 1, OUR_COMPONENT))
+    writer.insert(Estimate("RAW_IMU", "any", 0, 0, q, (0.0, 0.0, 0.0), North.TRUE, 0.0, 0.0, 0.02), 4)
+    writer.finish()
+    assert annotated.getvalue() == b"original"
 
 
 def test_our_records_carry_the_first_filters_attitudes_behind_their_samples(data_cut, dialect):
     first, second = GradientDescent(), GradientDescent(beta=0.5)
-    woven = weave(data_cut, dialect, first, second)
+    annotated = annotate(data_cut, dialect, first, second)
     fields = dialect.layout("ATTITUDE_QUATERNION").pick("time_boot_ms", "q1", "q2", "q3", "q4")
     ours, imu = [], None
-    for frame in TlogReader(woven, dialect):
+    for frame in TlogReader(annotated, dialect):
         if frame.component == OUR_COMPONENT:
             assert frame.message_id == dialect.id_of("ATTITUDE_QUATERNION")
             assert frame.system == 1

@@ -3,13 +3,13 @@ from math import radians
 import pytest
 
 from attest_mav.algebra import heading_between, q_exp, q_from_euler, q_heading, q_mul
-from attest_mav.replay.track import AttitudeTrack, half_rotation_vector
+from attest_mav.replay.reference_track import ReferenceTrack, half_rotation_vector
 
 MS = 1_000_000
 
 
 def test_halfway_without_rates_is_half_the_turn():
-    track = AttitudeTrack()
+    track = ReferenceTrack()
     track.add(0, q_heading(radians(10.0)), None)
     track.add(100 * MS, q_heading(radians(30.0)), None)
     q = track.at(50 * MS)
@@ -18,7 +18,7 @@ def test_halfway_without_rates_is_half_the_turn():
 
 
 def test_the_short_way_round_when_the_quaternion_changes_sign():
-    track = AttitudeTrack()
+    track = ReferenceTrack()
     track.add(0, q_heading(radians(10.0)), None)
     w, x, y, z = q_heading(radians(20.0))
     track.add(100 * MS, (-w, -x, -y, -z), None)
@@ -29,7 +29,7 @@ def test_the_short_way_round_when_the_quaternion_changes_sign():
 
 def test_rates_bend_the_path_as_the_vehicle_did():
     # A yaw of psi = a t^3 is a cubic, which the interpolation holds exactly: psi(0.25 s) of psi = 8 t^3 is 0.125.
-    track = AttitudeTrack()
+    track = ReferenceTrack()
     track.add(0, q_heading(0.0), (0.0, 0.0, 0.0))
     track.add(250 * MS, q_heading(8.0 * 0.25**3), (0.0, 0.0, 24.0 * 0.25**2))
     q = track.at(100 * MS)
@@ -44,7 +44,7 @@ def test_a_steady_turn_about_a_slanted_axis_is_kept():
     def turned(seconds):
         return q_mul(start, q_exp(tuple(0.5 * seconds * rate for rate in rates)))
 
-    track = AttitudeTrack()
+    track = ReferenceTrack()
     track.add(0, start, rates)
     track.add(200 * MS, turned(0.2), rates)
     q = track.at(70 * MS)
@@ -53,7 +53,7 @@ def test_a_steady_turn_about_a_slanted_axis_is_kept():
 
 
 def test_a_stamp_stands_for_its_whole_millisecond():
-    track = AttitudeTrack()
+    track = ReferenceTrack()
     first = q_heading(1.0)
     track.add(8484 * MS, first, None)
     assert track.reaches(8484 * MS + 105_000)
@@ -63,7 +63,7 @@ def test_a_stamp_stands_for_its_whole_millisecond():
 
 
 def test_nothing_is_said_outside_or_in_a_gap():
-    track = AttitudeTrack()
+    track = ReferenceTrack()
     for t_ms in (1000, 1350, 1701):
         track.add(t_ms * MS, q_heading(0.0), None)
     assert track.at(999 * MS) is None
@@ -73,7 +73,7 @@ def test_nothing_is_said_outside_or_in_a_gap():
 
 
 def test_out_of_order_samples_are_dropped():
-    track = AttitudeTrack()
+    track = ReferenceTrack()
     track.add(100 * MS, q_heading(0.1), None)
     track.add(200 * MS, q_heading(0.2), None)
     track.add(150 * MS, q_heading(3.0), None)
@@ -83,7 +83,7 @@ def test_out_of_order_samples_are_dropped():
 
 
 def test_a_restarted_clock_forgets_everything_before():
-    track = AttitudeTrack()
+    track = ReferenceTrack()
     track.add(900_000 * MS, q_heading(0.1), None)
     track.add(2000 * MS, q_heading(0.2), None)
     assert track.at(900_000 * MS) is None
@@ -91,7 +91,7 @@ def test_a_restarted_clock_forgets_everything_before():
 
 
 def test_memory_is_bounded_and_recent_times_stay():
-    track = AttitudeTrack()
+    track = ReferenceTrack()
     for k in range(100_000):
         track.add(k * 10 * MS, q_heading(0.0), None)
     assert len(track._times) <= 801

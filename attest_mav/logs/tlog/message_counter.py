@@ -1,10 +1,10 @@
-"""Counts what a recording holds, at the walker's full speed: a frame object is made for few of the frames."""
+"""Counts the messages of a tlog, at the walker's full speed: a frame object is made for few of the frames."""
 
 from typing import Final
 
 from mypy_extensions import i64
 
-from attest_mav.logs.tlog.walker import Recording
+from attest_mav.logs.tlog.walker import TlogWalker
 from attest_mav.mavlink.decode.autopilot_parameters import parameter_bytes
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import MAGIC_V2, header_at, message_id_at
@@ -19,21 +19,21 @@ a setting are returned, and none of the others.
 NAME_BYTES: Final = 16
 
 
-class Census(Recording):
-    """A recording of which all frames are counted and a sample of the wanted ones is returned.
-
-    counts: frames by ``census_key``. first_rx_ns, last_rx_ns: arrival of the first and the last frame.
-    """
+class MessageCounter(TlogWalker):
+    """Counts all frames of a tlog and returns a sample of the wanted ones."""
 
     def __init__(self, dialect: Dialect, wanted: frozenset[int] | None) -> None:
         super().__init__(dialect, wanted)
         self.counts: Final[dict[int, int]] = {}
+        """Frames by ``counter_key``."""
         parameter = dialect.layout("PARAM_VALUE")
         self._parameter_id: i64 = parameter.message_id
         self._name_at: i64 = parameter.offset("param_id")
         self._names: Final = parameter_bytes()
         self.first_rx_ns = 0
+        """Arrival of the first frame, ns."""
         self.last_rx_ns = 0
+        """Arrival of the last frame, ns."""
 
     def _take(self, size: i64) -> None:
         """Count the frame at the present place; make it one of the sample if it is its turn."""
@@ -41,7 +41,7 @@ class Census(Recording):
         at = self._place
         sender = at + (5 if data[at] == MAGIC_V2 else 3)
         message_id = message_id_at(data, at)
-        key = census_key(data[sender], data[sender + 1], message_id)
+        key = counter_key(data[sender], data[sender + 1], message_id)
         count = self.counts.get(key, 0)
         self.counts[key] = count + 1
         if self.frames == 0:
@@ -68,6 +68,11 @@ class Census(Recording):
         return end > begin and data[begin:end].split(b"\0", 1)[0] in self._names
 
 
-def census_key(system: i64, component: i64, message_id: i64) -> int:
+def counter_key(system: i64, component: i64, message_id: i64) -> int:
     """One number for a kind of message from one sender."""
     return (message_id << 16) | (system << 8) | component
+
+
+def key_parts(key: int) -> tuple[int, int, int]:
+    """System, component and message id of a ``counter_key``."""
+    return ((key >> 8) & 0xFF, key & 0xFF, key >> 16)

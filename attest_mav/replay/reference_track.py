@@ -26,7 +26,7 @@ class Knot:
         self.rates: Final = rates
 
 
-class AttitudeTrack:
+class ReferenceTrack:
     """Takes the reference's samples as they come, and gives its attitude at times near the newest one."""
 
     def __init__(self) -> None:

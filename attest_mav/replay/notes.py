@@ -1,0 +1,57 @@
+"""Remarks for the reader of a replay's figures, one line each."""
+
+from collections.abc import Sequence
+from math import inf
+
+from attest_mav.filters.base import AttitudeFilter
+from attest_mav.logs.source import LogSource, LogSummary, Plan
+from attest_mav.replay.flight import Flight
+from attest_mav.replay.plan import suitable_filter
+from attest_mav.replay.settings import setting_notes
+
+
+def all_notes(
+    source: LogSource, summary: LogSummary, plan: Plan, flight: Flight, filters: Sequence[AttitudeFilter]
+) -> list[str]:
+    """The notes on a log that has been replayed with these filters."""
+    vehicle = summary.vehicles[plan.vehicle]
+    return [
+        *source.notes(plan),
+        *source.refusals(plan),
+        *_other_autopilots(summary, plan),
+        *_nothing_compared(plan, flight),
+        *_truth_repeated(plan, flight),
+        *setting_notes(vehicle.parameters, filters),
+    ]
+
+
+def choice_notes(summary: LogSummary, plan: Plan) -> list[str]:
+    """The reason why the flight filter was not chosen, for a user who named no filter."""
+    vehicle = summary.vehicles[plan.vehicle]
+    if vehicle.has_velocity:
+        return []
+    chosen = suitable_filter(vehicle).name
+    return [f"no velocity in the log: {vehicle.velocity_lack}; so {chosen} was chosen, and not velocity-aided"]
+
+
+def _other_autopilots(summary: LogSummary, plan: Plan) -> list[str]:
+    others = [one.vehicle for one in summary.vehicles.values() if one.is_autopilot and one.vehicle != plan.vehicle]
+    if not others:
+        return []
+    named = ", ".join(f"{system}/{component}" for system, component in others)
+    return [f"the log has other autopilots too ({named}); this is {plan.vehicle[0]}/{plan.vehicle[1]}"]
+
+
+def _nothing_compared(plan: Plan, flight: Flight) -> list[str]:
+    if plan.reference is None or any(run.comparison.errors.samples for run in flight.runs):
+        return []
+    lost = all(run.aligned_s == inf for run in flight.runs)
+    lack = "no filter found an attitude" if lost else f"no {plan.reference} at the times of the samples that count"
+    return [f"nothing was compared: {lack}"]
+
+
+def _truth_repeated(plan: Plan, flight: Flight) -> list[str]:
+    tilt = None if flight.autopilot is None else flight.autopilot.errors.tilt()
+    if tilt is None or tilt.max != 0.0:
+        return []
+    return [f"{plan.autopilot} repeats {plan.reference}: this autopilot flew on the simulator's truth"]

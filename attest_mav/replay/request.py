@@ -1,0 +1,74 @@
+"""The request of a replay, and the outputs beside its result.
+
+A request can be pickled for another process. Pickle cannot restore a frozen dataclass that is compiled, since it sets
+the fields one by one; so filters and window are pickled as a call of their class (``_AsCall``).
+"""
+
+from dataclasses import dataclass, field, fields, is_dataclass
+from math import inf
+from typing import Any, Final
+
+from attest_mav.filters.base import AttitudeFilter
+from attest_mav.logs.source import ByteSink, Progress
+from attest_mav.replay.comparison import ComparisonSink
+
+
+class _AsCall:
+    """A dataclass instance that pickle restores by calling its class with its fields."""
+
+    def __init__(self, record: Any) -> None:
+        self._record: Final = record
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """The class and the values of the fields."""
+        record = self._record
+        return type(record), tuple([_as_call(getattr(record, one.name)) for one in fields(record)])
+
+
+def _as_call(value: Any) -> Any:
+    """The value as pickle can take it; a filter that is no dataclass is left to its own ``__reduce__``."""
+    return _AsCall(value) if is_dataclass(value) and not isinstance(value, type) else value
+
+
+@dataclass(frozen=True)
+class Window:
+    """The part of a log that is read and counted, in seconds of log time."""
+
+    start_s: float = 0.0
+    """Inertial samples before this time are ignored."""
+    end_s: float = inf
+    """Inertial samples after this time are ignored."""
+    skip_s: float = 30.0
+    """Time after alignment that is left out of the figures."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """The work to do with a log."""
+
+    filters: tuple[AttitudeFilter, ...] = ()
+    """The filters to run; none for the filter that suits the log."""
+    imu: str | None = None
+    """Name of the inertial message; None to choose it."""
+    reference: str | None = None
+    """Name of the reference; None to choose it."""
+    declination_deg: float | None = None
+    """Declination, east positive; None to look it up."""
+    window: Window = field(default_factory=Window)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """The call that makes the request again, for pickle."""
+        filters = tuple([_as_call(one) for one in self.filters])
+        return Request, (filters, self.imu, self.reference, self.declination_deg, _as_call(self.window))
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """The receivers of a replay's by-products; None for no receiver."""
+
+    attitudes: ComparisonSink | None = None
+    """Receives every attitude with its errors."""
+    annotated: ByteSink | None = None
+    """Receives the log with the first filter's attitudes inserted."""
+    progress: Progress | None = None
+    """Is told the share of the work done, 0 to 1, once a stretch of the log."""
