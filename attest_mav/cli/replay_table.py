@@ -21,7 +21,7 @@ def print_report(report: dict[str, Any]) -> None:
         console = Console(markup=False, highlight=False, emoji=False, width=PIPE_COLUMNS)
     with console.capture() as capture:  # rich would end the process itself where nobody reads
         console.print(click.format_filename(report["log"]), style="bold")
-        for label, text in _facts(report):
+        for label, text in _header(report):
             console.print(f"  {label:<10} {text}", soft_wrap=True)
         console.print(_table(report))
         if any(one["consistency"] is not None for one in report["filters"]):
@@ -29,12 +29,12 @@ def print_report(report: dict[str, Any]) -> None:
     click.echo(capture.get(), nl=False)
 
 
-def _facts(report: dict[str, Any]) -> list[tuple[str, str]]:
-    """What was read, and what the figures mean."""
+def _header(report: dict[str, Any]) -> list[tuple[str, str]]:
+    """Lines above the table: the log, its messages, the north and the notes."""
     imu, reference, window = report["imu"], report["reference"], report["window"]
     bad = f", {report['bad_bytes']} bad bytes" if report["bad_bytes"] else ""
     rate = "" if imu["rate_hz"] is None else f" at {imu['rate_hz']:.1f} Hz"
-    facts = [
+    lines = [
         ("log", f"{report['format']}, {report['frames']} frames, {report['duration_s']:.1f} s{bad}"),
         ("inertial", f"{imu['message']}, {imu['samples']} samples{rate}, {_count(imu['gaps'], 'gap')}"),
         ("reference", "none: nothing to compare with"),
@@ -42,8 +42,8 @@ def _facts(report: dict[str, Any]) -> list[tuple[str, str]]:
         ("errors", f"in degrees, from {window['skip_s']:g} s after alignment"),
     ]
     if reference is not None:
-        facts[2] = ("reference", f"{reference['message']}, {reference['samples']} samples")
-    return [*facts, *(("note", note) for note in report["notes"])]
+        lines[2] = ("reference", f"{reference['message']}, {reference['samples']} samples")
+    return [*lines, *(("note", note) for note in report["notes"])]
 
 
 def _north(north: dict[str, Any]) -> str:

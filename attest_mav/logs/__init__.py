@@ -1,1 +1,1 @@
-"""Recorded flights, read as the samples that a live link would have given."""
+"""Recorded flights as sources of samples. ``source`` is the protocol, ``formats`` the table of readable formats."""

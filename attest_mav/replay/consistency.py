@@ -1,11 +1,11 @@
-"""Whether a filter's sigmas tell the truth: its errors and innovations, each in units of its own sigma.
+"""Consistency of a filter: its errors and innovations, each in units of its own sigma.
 
 The tilt error is a turn about two horizontal axes, and every filter's tilt sigma is the root of the sum of both
 variances. So of a consistent filter whose axes are alike 63.2, 98.2 and 99.99 % of the tilt errors lie within 1, 2
 and 3 sigma (1 - exp(-k^2)); with all of the error in one axis it would be 68.3, 95.4 and 99.7 %, which is what the
-heading error has. The rms of error / sigma is 1 for both: a filter with more is too sure of itself, with less too
-modest. Errors last, so a short log shows few independent ones. The mean NIS is 1 too where the noises are as assumed;
-a filter that allows for more than it sees, as for errors that last, has less.
+heading error has. The rms of error / sigma is 1 for both: above 1 the sigma is too small, below 1 too large. Errors
+are correlated in time, so a short log shows few independent ones. The mean NIS is 1 if the noises are as assumed, and
+smaller if the filter allows for correlated errors.
 """
 
 from math import isfinite, sqrt
@@ -13,7 +13,7 @@ from typing import Final
 
 
 class SigmaCount:
-    """Counts errors by how many of their own sigmas they are large."""
+    """Counts errors by their size in sigmas."""
 
     def __init__(self) -> None:
         self.samples = 0
@@ -23,7 +23,7 @@ class SigmaCount:
         self._square_sum = 0.0
 
     def add(self, error: float, sigma: float) -> None:
-        """Take an error with its sigma, in one unit. Without a sigma that is finite and above zero it says nothing."""
+        """Take an error with its sigma, in one unit. A sigma that is not finite and positive is ignored."""
         if not (isfinite(sigma) and sigma > 0.0):
             return
         square = (error / sigma) ** 2
@@ -56,32 +56,32 @@ class NisMean:
         self._sum = 0.0
 
     def add(self, nis: float) -> None:
-        """Take the one of a step."""
+        """Take the NIS of a step."""
         if isfinite(nis):
             self.count += 1
             self._sum += nis
 
     @property
     def mean(self) -> float:
-        """Their mean; there must be some."""
+        """The mean; there must be a count."""
         return self._sum / self.count
 
 
 class Consistency:
-    """The counts of one filter, over the samples that are part of its figures.
-
-    velocity, magnetometer: innovations, which need no reference. has_sigma: some estimate came with a tilt sigma.
-    """
+    """The counts of one filter, over the samples that are part of its figures."""
 
     def __init__(self) -> None:
         self.tilt: Final = SigmaCount()
         self.heading: Final = SigmaCount()
         self.velocity: Final = NisMean()
+        """Innovations of the velocity, which need no reference."""
         self.magnetometer: Final = NisMean()
+        """Innovations of the magnetometer, which need no reference."""
         self.has_sigma = False
+        """True once an estimate had a tilt sigma."""
 
     def take_step(self, tilt_sigma: float, velocity_nis: float, field_nis: float) -> None:
-        """Take what a step says of itself, rad and pure numbers."""
+        """Take the tilt sigma (rad) and the normalised innovations squared of a step."""
         if isfinite(tilt_sigma):
             self.has_sigma = True
         self.velocity.add(velocity_nis)

@@ -7,13 +7,13 @@ from typing import Final
 from attest_mav.replay.reference_track import CLOCK_BACK_NS
 
 GAP_S: Final = 0.1
-"""A shorter pause is no gap, whatever the rate."""
+"""A pause of this length or less is no gap, at any rate."""
 GAP_INTERVALS: Final = 2.5
-"""Nor is one of fewer usual intervals: at 4 Hz every interval is longer than ``GAP_S``."""
+"""A pause of at most this many median intervals is no gap: at 4 Hz every interval is longer than ``GAP_S``."""
 
 
 class LogTime:
-    """Seconds since the first inertial sample on the sensor's clock; it stands still where that clock starts again."""
+    """Seconds since the first inertial sample on the sensor's clock. A restart of that clock adds no time."""
 
     def __init__(self) -> None:
         self._base_ns = 0
@@ -36,7 +36,7 @@ class LogTime:
 
 
 class Regularity:
-    """How regularly samples come; 4 bytes a sample."""
+    """Rate and gaps of a stream of samples; 4 bytes a sample."""
 
     def __init__(self) -> None:
         self.samples = 0

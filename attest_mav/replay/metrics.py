@@ -1,4 +1,4 @@
-"""Errors gathered in compact columns, and the figures made of them."""
+"""Columns of attitude errors, and the figures made of them."""
 
 from array import array
 from collections.abc import Sequence
@@ -8,23 +8,26 @@ from typing import Final
 
 P95: Final = 0.95
 SURE: Final = radians(1.0)
-"""A filter is called sure of its tilt while its own sigma is below this, rad."""
+"""A filter is called sure of its tilt while its tilt sigma is below this, rad."""
 
 
 @dataclass(frozen=True)
 class Spread:
-    """Figures of one kind of error, degrees: root mean square, 95th percentile and largest of the absolute values."""
+    """Figures of one kind of error, degrees."""
 
     rms: float
+    """Root mean square."""
     p95: float
+    """95th percentile of the absolute values."""
     max: float
+    """Largest absolute value."""
 
 
 class ErrorColumns:
     """Tilt and heading errors (rad) of one attitude against the reference; 17 bytes a sample.
 
-    The heading has fewer entries than the tilt when it was not always referred to a north. Beside each tilt error it
-    is noted whether its source was sure of it.
+    The heading has fewer entries than the tilt if it did not always refer to a north. Each tilt error has a mark that
+    says whether its filter was sure of it.
     """
 
     def __init__(self) -> None:
@@ -33,7 +36,7 @@ class ErrorColumns:
         self._sure = array("b")
 
     def add(self, tilt: float, heading: float | None, sure: bool = False) -> None:
-        """Take the errors of one sample, rad; ``heading`` is None when it means nothing."""
+        """Take the errors of one sample, rad; ``heading`` is None for a heading that refers to no north."""
         self._tilt.append(tilt)
         self._sure.append(sure)
         if heading is not None:
@@ -55,11 +58,11 @@ class ErrorColumns:
 
     @property
     def sure_samples(self) -> int:
-        """Samples with a tilt that their source was sure of."""
+        """Samples with a tilt that the filter was sure of."""
         return sum(self._sure)
 
     def sure_tilt(self) -> Spread | None:
-        """Figures of the tilt error where the source was sure of it; None without such samples."""
+        """Figures of the tilt error of the samples that the filter was sure of; None without such samples."""
         return spread([error for error, sure in zip(self._tilt, self._sure, strict=True) if sure])
 
     def heading(self) -> Spread | None:

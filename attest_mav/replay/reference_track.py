@@ -1,4 +1,4 @@
-"""A reference attitude as a function of time, from the samples of a log, over the last few seconds."""
+"""The reference attitude as a function of time, over the last few seconds of a log."""
 
 from bisect import bisect_right
 from math import atan2, sqrt
@@ -8,33 +8,34 @@ from attest_mav.algebra import q_conj, q_continuous, q_exp, q_mul
 from attest_mav.types import Quat, Vec3
 
 MAX_GAP_NS: Final = 350_000_000
-"""Nothing is said inside a longer gap of the reference: at flight rates its interpolation would err by degrees."""
+"""No interpolation over a longer gap of the reference: at flight rates it would err by degrees."""
 STAMP_NS: Final = 1_000_000
-"""References are stamped in whole milliseconds, cut off: a stamp means any instant of the millisecond it names."""
+"""References have stamps of whole milliseconds, cut off: a stamp stands for any instant of its millisecond."""
 MEMORY_NS: Final = 4_000_000_000
-"""Samples older than this are forgotten. Attitudes to be compared are never further apart from the reference."""
+"""Older samples are forgotten. No attitude to be compared is further away from the newest sample."""
 CLOCK_BACK_NS: Final = 1_000_000_000
 """A stamp further back than this is a restarted clock; one less far back is out of order."""
 
 
 class Knot:
-    """One sample of the reference. ``rates``: body angular rate, rad/s, None when not known."""
+    """One sample of the reference."""
 
     def __init__(self, t_ns: int, q_nb: Quat, rates: Vec3 | None) -> None:
         self.t_ns: Final = t_ns
         self.q_nb: Final = q_nb
         self.rates: Final = rates
+        """Body angular rate, rad/s; None if not known."""
 
 
 class ReferenceTrack:
-    """Takes the reference's samples as they come, and gives its attitude at times near the newest one."""
+    """Takes the samples of the reference in order, and gives its attitude at times near the newest one."""
 
     def __init__(self) -> None:
         self._knots: list[Knot] = []
         self._times: list[int] = []
 
     def add(self, t_ns: int, q_nb: Quat, rates: Vec3 | None) -> None:
-        """Take the next sample. Out of order, it is dropped; when the clock has restarted, all others are."""
+        """Take the next sample. One out of order is dropped; after a restart of the clock all earlier ones are."""
         if self._times and t_ns <= self._times[-1]:
             if t_ns >= self._times[-1] - CLOCK_BACK_NS:
                 return
@@ -45,12 +46,12 @@ class ReferenceTrack:
             self._forget(bisect_right(self._times, t_ns - MEMORY_NS))
 
     def _forget(self, count: int) -> None:
-        """Drop the oldest samples. It happens seldom and for many at once, so that it costs little per sample."""
+        """Drop the oldest samples: seldom and many at once, so that the cost per sample is small."""
         del self._times[:count]
         del self._knots[:count]
 
     def reaches(self, t_ns: int) -> bool:
-        """True when ``at`` can no longer gain from waiting for further samples."""
+        """True if further samples cannot change ``at`` for this time."""
         return bool(self._times) and t_ns < self._times[-1] + STAMP_NS
 
     def at(self, t_ns: int) -> Quat | None:

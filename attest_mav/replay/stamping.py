@@ -1,11 +1,11 @@
-"""Times for attitude messages that carry none (SIM_STATE, SIMSTATE, AHRS2), from one of the same sender that does.
+"""Times for attitude messages without one, from a timed message of the same sender.
 
-Streams of one rate leave in bursts, so the untimed message has the time of the timed one of its burst: the one before
-it or the one behind it, whichever is usually nearer. Which of the two it is goes by the order in the log and not by the
-single arrival: a ground station that reads several bursts at once stamps the next one's message nearer.
+Streams of one rate are sent in bursts, so an untimed message takes the time of the timed one of its burst: the one
+before or the one after, whichever is usually nearer. The usual distance decides, not the single arrival: a ground
+station that reads several bursts at once can give the message of the next burst the nearer arrival.
 
-Where the two usually arrive well apart they are not sent together. Then the time is the nearest timed message's, moved
-by the difference of the arrivals.
+If the two usually arrive further apart than a burst lasts, they are not sent together. The time is then that of the
+nearest timed message, moved by the difference of the arrivals.
 """
 
 from typing import Final
@@ -13,11 +13,11 @@ from typing import Final
 from attest_mav.types import AttitudeSample
 
 BURST_NS: Final = 10_000_000
-"""Messages that usually arrive nearer to each other than this are sent in one burst."""
+"""Messages that usually arrive within this time of each other are sent in one burst."""
 MAX_APART_NS: Final = 100_000_000
-"""Further apart two messages have nothing to do with each other: one was lost."""
+"""Two messages further apart belong to different bursts: one was lost."""
 MEMORY: Final = 0.95
-"""What is usual is an average that forgets at this rate per message: streams change when someone asks again."""
+"""The usual distance is an exponential average with this weight of the past per message; stream rates can change."""
 
 
 class Stamped:
@@ -29,7 +29,7 @@ class Stamped:
 
 
 class BurstStamp:
-    """Finds the time of each untimed sample when the next timed message has come."""
+    """Finds the time of each untimed sample at the next timed message."""
 
     def __init__(self) -> None:
         self._t_ns = -1
@@ -40,7 +40,7 @@ class BurstStamp:
         self._after_ns = -1.0
 
     def timed(self, t_ns: int, rx_ns: int) -> Stamped | None:
-        """A timed message has come; the untimed sample before it with its time, if there is one."""
+        """A timed message has come. Returns the untimed sample before it with its time, if there is one."""
         sample = self._held
         self._held = None
         found: Stamped | None = None
@@ -60,19 +60,19 @@ class BurstStamp:
         return found
 
     def untimed(self, sample: AttitudeSample) -> Stamped | None:
-        """An untimed sample has come; the one before it with its time, if no timed message came between the two."""
+        """An untimed sample has come. Returns the one before it with its time, if no timed message came in between."""
         sooner = self.finish()
         self._held = sample
         return sooner
 
     def finish(self) -> Stamped | None:
-        """No timed message comes behind the last untimed sample: what can be said without."""
+        """The last untimed sample with the time of the message before it, as no timed message follows."""
         sample = self._held
         self._held = None
         return self._from_before(sample) if sample is not None and self._before_ns <= self._after_ns else None
 
     def _learn(self, before_ns: int, after_ns: int) -> None:
-        """Follow how far away the neighbours usually are; distances beyond ``MAX_APART_NS`` are as bad as that."""
+        """Update the usual distances to both neighbours; each is limited to ``MAX_APART_NS``."""
         before = float(min(abs(before_ns), MAX_APART_NS))
         after = float(min(abs(after_ns), MAX_APART_NS))
         if self._before_ns < 0.0:
@@ -81,7 +81,7 @@ class BurstStamp:
         self._after_ns += (1.0 - MEMORY) * (after - self._after_ns)
 
     def _from_before(self, sample: AttitudeSample) -> Stamped | None:
-        """The time of the timed message before, if it is near and no other sample has it."""
+        """The time of the timed message before, if near and not yet taken by another sample."""
         if self._is_lent or abs(sample.rx_ns - self._rx_ns) > MAX_APART_NS:
             return None
         self._is_lent = True

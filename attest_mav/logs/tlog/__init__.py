@@ -1,1 +1,1 @@
-"""Telemetry logs (tlog) as a source of samples. ``survey`` is the first pass, ``reader`` the second."""
+"""Telemetry logs (tlog). ``source`` is the way in; ``survey`` is the first pass, ``reader`` the second."""

@@ -13,8 +13,8 @@ FIRST: Final = 16
 EVERY: Final = 16
 """Of each kind of message from each sender, the first ``FIRST`` frames and then one in ``EVERY`` are returned.
 
-PARAM_VALUE alone differs, because a ground station records a thousand parameters and each of them once: all that tell
-a setting are returned, and none of the others.
+PARAM_VALUE is the exception, because a ground station records a thousand parameters, each of them once: the frames of
+all parameters that tell a setting are returned, and no others.
 """
 NAME_BYTES: Final = 16
 
@@ -36,7 +36,7 @@ class MessageCounter(TlogWalker):
         """Arrival of the last frame, ns."""
 
     def _take(self, size: i64) -> None:
-        """Count the frame at the present place; make it one of the sample if it is its turn."""
+        """Count the frame at the present place, and return it if it is its turn."""
         data = self._data
         at = self._place
         sender = at + (5 if data[at] == MAGIC_V2 else 3)
@@ -59,7 +59,7 @@ class MessageCounter(TlogWalker):
             self._pass(size)
 
     def _tells_setting(self, at: i64) -> bool:
-        """Whether the PARAM_VALUE at ``at`` is of a parameter that tells a setting, by the bytes of its name."""
+        """True if the PARAM_VALUE at ``at`` is that of a parameter that tells a setting, by the bytes of its name."""
         data = self._data
         payload = at + header_at(data, at)
         begin = payload + self._name_at

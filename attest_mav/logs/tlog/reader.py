@@ -1,4 +1,4 @@
-"""Telemetry logs (tlog), as ground stations and MAVProxy record them."""
+"""Reads telemetry logs (tlog), as ground stations and MAVProxy record them, at constant memory."""
 
 from collections.abc import Iterator
 from itertools import chain
@@ -10,15 +10,15 @@ from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
 
 WINDOW_BYTES: Final = 1 << 18
-"""Read at a time: long enough that windows cost nothing, short enough to stay in the processor's cache."""
+"""Length of a window: large against the cost of one, small enough for the processor's cache."""
 
 
 class TlogReader:
     """Reads a tlog from memory (a file mapped by ``mmap`` or bytes) at constant memory.
 
-    wanted: the message ids to return; None for all. Iterating gives the frames in order, with ``rx_ns`` from the
-    recording and ``offset`` in it, so that ``buffer[frame.offset : frame.offset + frame.size]`` is the raw frame. The
-    counters fill as the iteration goes; a reader is read once.
+    ``wanted`` holds the message ids to return; None returns all. The frames come in order, with ``rx_ns`` from the log
+    and ``offset`` in it: ``buffer[frame.offset : frame.offset + frame.size]`` is the raw frame. The counters fill
+    during the iteration; a reader is read once.
     """
 
     def __init__(self, buffer: mmap | bytes, dialect: Dialect, wanted: frozenset[int] | None = None) -> None:
@@ -33,7 +33,7 @@ class TlogReader:
         return chain.from_iterable(self.batches())
 
     def raw_record(self, frame: Frame) -> bytes:
-        """The record of a frame as this log would hold it: its arrival time and the frame's own bytes."""
+        """The record of a frame: its arrival time as it was believed, and the frame's own bytes."""
         return tlog_record(frame.rx_ns, self._buffer[frame.offset : frame.offset + frame.size])
 
     @property

@@ -30,11 +30,12 @@ _MAX_STEP_US: Final = 10_000_000
 
 
 class TlogWalker(Walker):
-    """The frames of a recording, from windows of it. bad_stamps counts the times that were not believed."""
+    """The frames of a tlog, from windows of it."""
 
     def __init__(self, dialect: Dialect, wanted: frozenset[int] | None) -> None:
         super().__init__(dialect, wanted, STAMP_BYTES)
         self.bad_stamps: i64 = 0
+        """Times that were not believed."""
         self._last_us: i64 = -1
 
     @property
@@ -43,7 +44,7 @@ class TlogWalker(Walker):
         return self._base
 
     def walk(self, window: bytes, final: bool) -> list[Frame]:
-        """The wanted frames of a window of the recording that begins at ``position``.
+        """The wanted frames of a window of the log that begins at ``position``.
 
         final: the window reaches to the end. Otherwise it should be much longer than MARGIN: its last MARGIN bytes
         are left to the next window.
