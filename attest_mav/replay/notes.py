@@ -1,13 +1,14 @@
 """Remarks for the reader of a replay's figures, one line each."""
 
-from collections.abc import Sequence
-from math import inf
+from collections.abc import Iterable, Sequence
+from math import inf, isfinite
 
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.logs.source import LogSource, LogSummary, Plan
+from attest_mav.mavlink.decode.autopilot_parameters import quantity, with_unit
 from attest_mav.replay.flight import Flight
 from attest_mav.replay.plan import suitable_filter
-from attest_mav.replay.settings import setting_notes
+from attest_mav.types import ParameterSample
 
 
 def all_notes(
@@ -21,7 +22,7 @@ def all_notes(
         *_other_autopilots(summary, plan),
         *_nothing_compared(plan, flight),
         *_truth_repeated(plan, flight),
-        *setting_notes(vehicle.parameters, filters),
+        *_setting_notes(vehicle.parameters, filters),
     ]
 
 
@@ -55,3 +56,18 @@ def _truth_repeated(plan: Plan, flight: Flight) -> list[str]:
     if tilt is None or tilt.max != 0.0:
         return []
     return [f"{plan.autopilot} repeats {plan.reference}: this autopilot flew on the simulator's truth"]
+
+
+def _setting_notes(parameters: Iterable[ParameterSample], filters: Iterable[AttitudeFilter]) -> list[str]:
+    """A line for each setting for which a filter takes the log's value instead of a different default."""
+    notes = []
+    for sample in parameters:
+        for one in filters:
+            assumed = one.default_settings.get(sample.setting)
+            if isfinite(assumed) and isfinite(sample.value) and sample.value != assumed:
+                value, instead = with_unit(sample.setting, sample.value), with_unit(sample.setting, assumed)
+                notes.append(
+                    f"{one.name} takes the {quantity(sample.setting)} from the log's {sample.name}: "
+                    f"{value} instead of {instead}"
+                )
+    return notes

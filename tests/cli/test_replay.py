@@ -157,12 +157,12 @@ def test_csv_has_a_row_for_every_attitude_and_figures_agree_with_it(attest_mav, 
     assert sum(part * part for part in q) == pytest.approx(1.0, abs=1e-7)
 
 
-def test_woven_log_replays_like_the_original(attest_mav, tmp_path):
-    woven = tmp_path / "woven.tlog"
+def test_annotated_log_replays_like_the_original(attest_mav, tmp_path):
+    annotated = tmp_path / "annotated.tlog"
     options = ("--filter", "gradient-descent", "--json", *ON_BRIEF_LOGS)  # it has an attitude after half a second
-    code, original, _ = attest_mav("replay", LAPS, "--tlog", woven, *options)
+    code, original, _ = attest_mav("replay", LAPS, "--tlog", annotated, *options)
     assert code == 0
-    code, again, _ = attest_mav("replay", woven, *options)
+    code, again, _ = attest_mav("replay", annotated, *options)
     before, after = json.loads(original), json.loads(again)
     assert after["frames"] > before["frames"] + 900
     for key in ("imu", "reference", "filters", "autopilot", "bad_bytes"):
@@ -255,7 +255,7 @@ def test_wrong_arguments_are_one_line(attest_mav, arguments, code, words):
 
 
 def test_outputs_that_cannot_hold_what_is_asked(attest_mav, tmp_path):
-    code, _, err = attest_mav("replay", LAPS, START, "--tlog", tmp_path / "woven.tlog")
+    code, _, err = attest_mav("replay", LAPS, START, "--tlog", tmp_path / "annotated.tlog")
     assert code == 2
     assert_one_line(err, "--tlog takes one LOG")
     same = tmp_path / "same"
@@ -274,8 +274,8 @@ def test_one_bad_log_does_not_stop_the_others(attest_mav, wrong_file, tmp_path):
 
 
 def test_a_failed_replay_leaves_no_output(attest_mav, wrong_file, tmp_path):
-    bad, rows, woven = wrong_file("text"), tmp_path / "rows.csv", tmp_path / "woven.tlog"
-    code, _, _ = attest_mav("replay", bad, "--csv", rows, "--tlog", woven)
+    bad, rows, annotated = wrong_file("text"), tmp_path / "rows.csv", tmp_path / "annotated.tlog"
+    code, _, _ = attest_mav("replay", bad, "--csv", rows, "--tlog", annotated)
     assert code == 65
     assert sorted(path.name for path in tmp_path.iterdir()) == [bad.name]
 

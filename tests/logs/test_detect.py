@@ -54,7 +54,7 @@ def test_a_tlog_of_one_record_whole_or_cut_is_one(copter_start):
         (b"FMT, 128, 89, FMT, BBnNZ", "written as text"),
     ],
 )
-def test_a_stranger_is_named(head, words):
+def test_a_foreign_format_is_named(head, words):
     with pytest.raises(UnreadableDataError) as caught:
         require_format(head, "flight.tlog")
     message = str(caught.value)
