@@ -17,6 +17,9 @@ from attest_mav.mavlink.dialect import Dialect, load_dialect
 from attest_mav.mavlink.wire.frame import Frame
 from attest_mav.types import Sample
 
+BATCH_FRAMES: Final = 64
+"""Frames decoded at a time: many against the cost of a batch, few enough that the samples stay in the cache."""
+
 
 def open_tlog(data: mmap | bytes) -> "TlogSource":
     """The source of a tlog, with the dialect that knows all messages."""
@@ -47,13 +50,13 @@ class TlogSource:
         return summarize(survey, self._dialect)
 
     def samples(self, plan: Plan) -> Iterator[SampleBatch]:
-        """Second pass, one window of the log at a time."""
+        """Second pass, a few frames of the log at a time."""
         self._decoder = self._decoder_for(plan)
         wanted = frozenset(self._dialect.id_of(name) for name in plan.messages.union(AIDING))
         reader = TlogReader(self._data, self._dialect, wanted)
         for frames in reader.batches():
-            if frames:
-                yield self._decoded(frames, plan)
+            for start in range(0, len(frames), BATCH_FRAMES):
+                yield self._decoded(frames[start : start + BATCH_FRAMES], plan)
 
     def notes(self, plan: Plan) -> list[str]:
         """Remarks of the decoder on the inertial message."""
