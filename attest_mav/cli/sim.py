@@ -8,7 +8,7 @@ import click
 
 from attest_mav.config.link_url import Scheme, parse_link
 from attest_mav.errors import UsageError
-from attest_mav.runtime.links.base import open_link
+from attest_mav.runtime.links.open import open_link
 from attest_mav.runtime.sim_host import SimHost
 from attest_mav.runtime.stop_signals import stop_signals
 from attest_mav.sim.autopilot import MAX_RATE_HZ, FakeAutopilot

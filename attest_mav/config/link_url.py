@@ -1,7 +1,7 @@
 """Where a link leads, as users write it: ``serial:``, ``udpin:``, ``udpout:``, ``tcp:``, ``tcpin:`` and ``sim:``.
 
 pymavlink's spellings are understood too: ``udp:`` is ``udpin:``, and a bare device such as ``/dev/ttyACM0`` or
-``/dev/ttyACM0,115200`` is a serial port. No I/O: ``attest_mav.runtime.links.base`` opens what this describes.
+``/dev/ttyACM0,115200`` is a serial port. No I/O: ``attest_mav.runtime.links.open`` opens what this describes.
 """
 
 from dataclasses import dataclass

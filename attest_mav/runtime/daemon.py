@@ -6,10 +6,10 @@ import selectors
 import socket
 import time
 
-from attest_mav.config.link_url import Scheme, parse_link
 from attest_mav.config.records import Config
-from attest_mav.mavlink.dialect import Dialect, load_dialect
-from attest_mav.runtime.links.base import Link, open_link
+from attest_mav.mavlink.dialect import load_dialect
+from attest_mav.runtime.links.base import Link
+from attest_mav.runtime.links.open import open_links
 from attest_mav.runtime.notify import Notifier
 from attest_mav.service.service import FieldFinder, Service
 from attest_mav.service.status import StatusLine
@@ -29,7 +29,7 @@ class Daemon:
     def __init__(self, config: Config, find_field: FieldFinder) -> None:
         now_ns = time.monotonic_ns()
         dialect = load_dialect()
-        self.links = open_links(config, dialect, now_ns)
+        self.links = open_links(config.link, dialect, now_ns)
         self.service = Service(config, [link.url for link in self.links], dialect, find_field, now_ns)
         self.notifier = Notifier(os.environ)
         self.selector = selectors.DefaultSelector()
@@ -144,23 +144,3 @@ def _watch_of(link: Link) -> tuple[int, int, int] | None:
     if fd is None:
         return None
     return (fd, link.epoch, selectors.EVENT_READ | (selectors.EVENT_WRITE if link.wants_write else 0))
-
-
-def open_links(config: Config, dialect: Dialect, now_ns: int) -> list[Link]:
-    """Open all links of the configuration; those that were opened are closed again when one cannot be had."""
-    links: list[Link] = []
-    try:
-        for one in config.link:
-            url = parse_link(one.url)
-            if url.scheme is Scheme.SIM:
-                # Imported here: a real vehicle needs no simulation.
-                from attest_mav.runtime.links.sim import SimLink  # noqa: PLC0415
-
-                links.append(SimLink(url, dialect, now_ns))
-            else:
-                links.append(open_link(url, now_ns, wait=one.wait))
-    except BaseException:
-        for link in links:
-            link.close()
-        raise
-    return links

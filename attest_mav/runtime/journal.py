@@ -4,8 +4,6 @@ import logging
 import os
 import sys
 
-LEVELS = ("debug", "info", "warning", "error")
-
 _PRIORITIES = {logging.DEBUG: 7, logging.INFO: 6, logging.WARNING: 4, logging.ERROR: 3, logging.CRITICAL: 2}
 """syslog's priorities; systemd reads ``<4>`` at the start of a line (sd-daemon(3))."""
 

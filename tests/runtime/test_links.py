@@ -10,7 +10,8 @@ import pytest
 
 from attest_mav.config.link_url import parse_link
 from attest_mav.errors import LinkError
-from attest_mav.runtime.links.base import BUFFER_BYTES, FIRST_RETRY_NS, LONGEST_RETRY_NS, Backoff, open_link
+from attest_mav.runtime.links.base import BUFFER_BYTES, FIRST_RETRY_NS, LONGEST_RETRY_NS, Backoff
+from attest_mav.runtime.links.open import open_link
 from attest_mav.runtime.links.udp import MAX_PEERS, PEER_SILENCE_NS
 
 SECOND = 1_000_000_000

@@ -2,7 +2,7 @@
 
 A link is driven by a selector loop::
 
-    link = open_link(parse_link("udpin:127.0.0.1:14550"), now_ns)
+    link = open_link(parse_link("udpin:127.0.0.1:14550"), now_ns)   # see attest_mav.runtime.links.open
     ...
     when link.fd is readable, or link.next_deadline_ns has come:  data = link.receive(now_ns)
     when link.wants_write and link.fd is writable:                link.flush(now_ns)
@@ -18,7 +18,7 @@ import logging
 import socket
 from abc import ABC, abstractmethod
 
-from attest_mav.config.link_url import LinkUrl, Scheme
+from attest_mav.config.link_url import LinkUrl
 from attest_mav.errors import LinkError
 
 log = logging.getLogger("attest_mav.link")
@@ -103,33 +103,6 @@ class Backoff:
         """The link works: begin with the short wait next time."""
         self.wait_ns = FIRST_RETRY_NS
         self.reason = ""
-
-
-def open_link(url: LinkUrl, now_ns: int, *, wait: bool = True) -> Link:
-    """Open the link; LinkError (exit code 69) says in one line what to do.
-
-    A port that is taken, or that may not be opened, is an error at once. A serial device that is not there yet, or a
-    TCP server that does not answer, is waited for unless ``wait`` is False. ``sim:`` is opened by
-    ``attest_mav.runtime.links.sim``, since it needs a vehicle.
-    """
-    # Imported here: most programs need one kind of link, and pyserial takes its time to load.
-    if url.scheme is Scheme.SERIAL:
-        from attest_mav.runtime.links.serial import SerialLink  # noqa: PLC0415
-
-        return SerialLink(url, now_ns, wait=wait)
-    if url.scheme is Scheme.TCP:
-        from attest_mav.runtime.links.tcp_client import TcpClientLink  # noqa: PLC0415
-
-        return TcpClientLink(url, now_ns, wait=wait)
-    if url.scheme is Scheme.TCPIN:
-        from attest_mav.runtime.links.tcp_server import TcpServerLink  # noqa: PLC0415
-
-        return TcpServerLink(url)
-    if url.scheme is Scheme.SIM:
-        raise LinkError("sim: is a vehicle inside the daemon; give it to `attest-mav run` only")
-    from attest_mav.runtime.links.udp import UdpInLink, UdpOutLink  # noqa: PLC0415
-
-    return UdpInLink(url) if url.scheme is Scheme.UDPIN else UdpOutLink(url)
 
 
 def resolve(url: LinkUrl, kind: socket.SocketKind) -> tuple[socket.AddressFamily, Address]:
