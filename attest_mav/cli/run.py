@@ -4,10 +4,10 @@ import time
 
 import click
 
-from attest_mav.config.records import Config, parse_config
+from attest_mav.cli.config import load
+from attest_mav.config.records import Config
 from attest_mav.errors import UsageError
 from attest_mav.runtime.daemon import Daemon
-from attest_mav.runtime.files import read_config
 from attest_mav.runtime.journal import log_to_stderr
 from attest_mav.runtime.stop_signals import stop_signals
 from attest_mav.types import EarthField
@@ -30,7 +30,7 @@ def command(config_file: str | None, urls: tuple[str, ...]) -> None:
 
 def load_config(config_file: str | None, urls: tuple[str, ...]) -> Config:
     """The configuration file, or the defaults, with the links of the command line."""
-    config = Config() if config_file is None else parse_config(read_config(config_file), config_file)
+    config = load(config_file)
     if urls:
         config = config.with_links(urls)
     if not config.link:

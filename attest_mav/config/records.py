@@ -5,20 +5,15 @@ the default. configs/attest-mav.toml says what each key means, and a test keeps 
 """
 
 import tomllib
-from math import radians
 from typing import Annotated, Literal, Self
 
 import msgspec
 from msgspec import Meta
 
 from attest_mav.config.filters import FilterConfig
-from attest_mav.config.link_url import LinkUrl, Scheme, parse_link
+from attest_mav.config.link_url import parse_link
 from attest_mav.config.text import check_keys, check_no_nan, readable
 from attest_mav.errors import ConfigError, UsageError
-from attest_mav.estimation.pipeline import PipelineSettings
-from attest_mav.estimation.vehicle import AidSettings
-from attest_mav.estimation.verdict import VerdictSettings
-from attest_mav.mavlink.decode.units import RawScales
 
 SystemId = Annotated[int, Meta(ge=0, le=255)]
 ComponentId = Annotated[int, Meta(ge=1, le=255)]
@@ -82,12 +77,6 @@ class RawImuConfig(_Record, frozen=True):
     gyro_radps: Scale = 0.0
     mag_gauss: Scale = 0.0
 
-    def scales(self) -> RawScales | None:
-        """The scales, None where none are configured."""
-        if self.accel_mps2 == 0.0 or self.gyro_radps == 0.0:
-            return None
-        return RawScales(self.accel_mps2, self.gyro_radps, self.mag_gauss)
-
 
 class AidingConfig(_Record, frozen=True):
     """Where filters that need them take the forward speed and the velocity from."""
@@ -141,20 +130,6 @@ class Config(_Record, frozen=True):
         """The same with other links, each with the default outputs: what ``--link`` means."""
         return msgspec.structs.replace(self, link=tuple(LinkConfig(url=url) for url in urls))
 
-    def pipeline_settings(self) -> PipelineSettings:
-        """The pipeline's settings, in radians."""
-        tilt_deg = self.verdict.tilt_deg
-        verdict = VerdictSettings(
-            tilt=VerdictSettings().tilt if tilt_deg == "auto" else radians(tilt_deg),
-            proven_tilt=VerdictSettings().proven_tilt if tilt_deg == "auto" else radians(tilt_deg),
-            hold_s=self.verdict.hold_s,
-            release=self.verdict.release,
-            max_sigma=radians(self.verdict.max_sigma_deg),
-            stale_s=self.verdict.stale_s,
-        )
-        aids = AidSettings(self.aiding.forward_speed, self.aiding.velocity)
-        return PipelineSettings(self.estimate.stale_s, verdict, aids)
-
 
 def parse_config(text: str, name: str) -> Config:
     """Check the TOML ``text`` of the file ``name``; ConfigError says in one line what is wrong with which key."""
@@ -188,18 +163,9 @@ def _read(text: str, name: str) -> Config:
 def _check_links(config: Config, name: str) -> None:
     for index, link in enumerate(config.link):
         try:
-            _check_scenario(parse_link(link.url))
+            parse_link(link.url)
         except UsageError as error:
             raise ConfigError(f"{name}: link[{index}].url: {error}") from None
-
-
-def _check_scenario(url: LinkUrl) -> None:
-    """UsageError for a simulation that does not exist."""
-    if url.scheme is Scheme.SIM and url.scenario:
-        # Imported here: a real vehicle needs no simulation.
-        from attest_mav.sim.scenarios import check_scenario  # noqa: PLC0415
-
-        check_scenario(url.scenario)
 
 
 def _check_ids(output: OutputConfig, name: str) -> None:

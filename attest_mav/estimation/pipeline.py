@@ -45,14 +45,19 @@ class Pipeline:
     """One vehicle's samples to its estimates and verdict.
 
     attitude_filter: runs on every lane. sources: names of the inertial streams to use; empty takes the first that
-    arrives. The caller passes samples of one vehicle only.
+    arrives. vehicle: what is known of the vehicle from before, which then is kept in that record and goes on when the
+    pipeline ends. The caller passes samples of one vehicle only.
     """
 
     def __init__(
-        self, settings: PipelineSettings, attitude_filter: AttitudeFilter, sources: Sequence[str] = ()
+        self,
+        settings: PipelineSettings,
+        attitude_filter: AttitudeFilter,
+        sources: Sequence[str] = (),
+        vehicle: Vehicle | None = None,
     ) -> None:
         self.lanes: Final[dict[str, Lane]] = {}
-        self.vehicle: Final = Vehicle(settings.aids)
+        self.vehicle: Final = Vehicle(settings.aids) if vehicle is None else vehicle
         """What is known of the vehicle, shared by all lanes."""
         self.estimate: Estimate | None = None
         """Newest valid estimate of the primary lane, else None. Late ones are returned by ``handle`` but not kept."""

@@ -11,8 +11,10 @@ from attest_mav.mavlink.dialect import load_dialect
 from attest_mav.runtime.links.base import Link
 from attest_mav.runtime.links.open import open_links
 from attest_mav.runtime.notify import Notifier
-from attest_mav.service.service import FieldFinder, Service
-from attest_mav.service.status import StatusLine
+from attest_mav.service.assembly import service_settings
+from attest_mav.service.field_lookup import FieldFinder
+from attest_mav.service.service import Service
+from attest_mav.service.status import status_line
 
 log = logging.getLogger("attest_mav.daemon")
 
@@ -30,7 +32,7 @@ class Daemon:
         now_ns = time.monotonic_ns()
         dialect = load_dialect()
         self.links = open_links(config.link, dialect, now_ns)
-        self.service = Service(config, [link.url for link in self.links], dialect, find_field, now_ns)
+        self.service = Service(service_settings(config), [link.url for link in self.links], dialect, find_field, now_ns)
         self.notifier = Notifier(os.environ)
         self.selector = selectors.DefaultSelector()
         self._ready = False
@@ -38,7 +40,7 @@ class Daemon:
         self._watched: list[tuple[int, int, int] | None] = [None] * len(self.links)
         self._status_ns = int(config.log.status_s * 1e9)
         self._next_status_ns = now_ns
-        self._status = StatusLine(now_ns)
+        self._shown = self.service.snapshot(now_ns)
         self._next_alive_ns = now_ns
 
     def run(self, stop: socket.socket) -> None:
@@ -71,8 +73,13 @@ class Daemon:
         if self.service.due_ns <= now_ns:
             self.service.poll(now_ns)
             self._write(now_ns)
+        self._log_notes()
         self._report(now_ns)
         return True
+
+    def _log_notes(self) -> None:
+        for note in self.service.take_notes():
+            log.log(note.level, "%s", note.text)
 
     def _read(self, number: int, now_ns: int) -> None:
         """One read; if there is more, the selector says so at once."""
@@ -102,7 +109,8 @@ class Daemon:
             self.notifier.alive()
         if now_ns >= self._next_status_ns:
             self._next_status_ns = now_ns + self._status_ns
-            text = self._status.write(self.service, now_ns)
+            before, self._shown = self._shown, self.service.snapshot(now_ns)
+            text = status_line(self._shown, before)
             log.info("%s", text)
             self.notifier.status(text)
 

@@ -1,13 +1,52 @@
-"""What the companion is told of the configuration: who we are, what we ask for, and what each link carries."""
+"""From the configuration to the settings of the parts: pipeline, decoder, companion, and the outputs of each link.
 
-from attest_mav.config.records import Config, LinkConfig
+The configuration holds what a user may write, in a user's units; here its degrees become radians, and its words become
+the records of the packages that act on them.
+"""
+
+from math import nan, radians
+
+from attest_mav.config.link_url import Scheme, parse_link
+from attest_mav.config.records import AidingConfig, Config, LinkConfig, RawImuConfig, StreamsConfig, VerdictConfig
+from attest_mav.errors import ConfigError, UsageError
+from attest_mav.estimation.pipeline import PipelineSettings
+from attest_mav.estimation.vehicle import AidSettings
+from attest_mav.estimation.verdict import VerdictSettings
 from attest_mav.mavlink.component.companion import CompanionSettings
 from attest_mav.mavlink.component.ports import PortSettings
 from attest_mav.mavlink.component.vehicle_data import POSITION_MESSAGES, DataSettings
+from attest_mav.mavlink.decode.units import RawScales
+from attest_mav.service.settings import ServiceSettings
+from attest_mav.types import VehicleSettings
+
+
+def service_settings(config: Config) -> ServiceSettings:
+    """The settings of all parts of the service."""
+    declination_deg = config.estimate.declination_deg
+    return ServiceSettings(
+        companion=companion_settings(config),
+        ports=tuple(port_settings(link) for link in config.link),
+        raw_scales=raw_scales(config.raw_imu),
+        pipeline=pipeline_settings(config),
+        attitude_filter=config.filter.build(),
+        declination=nan if declination_deg == "auto" else radians(declination_deg),
+    )
+
+
+def pipeline_settings(config: Config) -> PipelineSettings:
+    """The settings of the pipeline, in radians."""
+    return PipelineSettings(config.estimate.stale_s, _verdict_settings(config.verdict), _aid_settings(config.aiding))
+
+
+def companion_settings(config: Config) -> CompanionSettings:
+    """Our ids, the rate of the attitude, and the messages to ask for."""
+    output = config.output
+    data = _data_settings(config.streams, config.aiding, config.filter.build().default_settings)
+    return CompanionSettings(config.vehicle.system_id, output.system_id, output.component_id, output.rate_hz, data)
 
 
 def port_settings(link: LinkConfig) -> PortSettings:
-    """What a link carries, from its configuration."""
+    """The outputs of one link."""
     return PortSettings(
         attitude="attitude_quaternion" in link.publish,
         covariance="attitude_quaternion_cov" in link.publish,
@@ -16,19 +55,54 @@ def port_settings(link: LinkConfig) -> PortSettings:
     )
 
 
-def companion_settings(config: Config) -> CompanionSettings:
-    """Who we are and what we ask for, from the configuration."""
-    streams = config.streams
-    used = (config.aiding.forward_speed, config.aiding.velocity)
-    data = DataSettings(
+def raw_scales(raw_imu: RawImuConfig) -> RawScales | None:
+    """The meaning of one count of RAW_IMU, None where none is configured."""
+    if raw_imu.accel_mps2 == 0.0 or raw_imu.gyro_radps == 0.0:
+        return None
+    return RawScales(raw_imu.accel_mps2, raw_imu.gyro_radps, raw_imu.mag_gauss)
+
+
+def check_scenarios(config: Config, name: str) -> None:
+    """ConfigError if a ``sim:`` link of the file ``name`` asks for a scenario that the simulator does not have."""
+    for index, link in enumerate(config.link):
+        url = parse_link(link.url)
+        if url.scheme is Scheme.SIM and url.scenario:
+            # Imported here: a real vehicle needs no simulation.
+            from attest_mav.sim.scenarios import check_scenario  # noqa: PLC0415
+
+            try:
+                check_scenario(url.scenario)
+            except UsageError as error:
+                raise ConfigError(f"{name}: link[{index}].url: {error}") from None
+
+
+def _verdict_settings(verdict: VerdictConfig) -> VerdictSettings:
+    """The thresholds of the verdict; one number in the configuration replaces both thresholds of the tilt."""
+    defaults = VerdictSettings()
+    tilt_deg = verdict.tilt_deg
+    return VerdictSettings(
+        tilt=defaults.tilt if tilt_deg == "auto" else radians(tilt_deg),
+        proven_tilt=defaults.proven_tilt if tilt_deg == "auto" else radians(tilt_deg),
+        hold_s=verdict.hold_s,
+        release=verdict.release,
+        max_sigma=radians(verdict.max_sigma_deg),
+        stale_s=verdict.stale_s,
+    )
+
+
+def _aid_settings(aiding: AidingConfig) -> AidSettings:
+    return AidSettings(aiding.forward_speed, aiding.velocity)
+
+
+def _data_settings(streams: StreamsConfig, aiding: AidingConfig, default_settings: VehicleSettings) -> DataSettings:
+    """The messages to ask for; a position message, which the autopilot's filter makes, only where an aid needs it."""
+    return DataSettings(
         asks=streams.request,
         restores=streams.request and streams.restore,
         imu_messages=streams.imu_messages,
         imu_hz=streams.imu_hz,
         attitude_hz=streams.attitude_hz,
         aiding_hz=streams.aiding_hz,
-        positions=tuple(name for name in POSITION_MESSAGES if name in used),
-        default_settings=config.filter.build().default_settings,
+        positions=tuple(name for name in POSITION_MESSAGES if name in (aiding.forward_speed, aiding.velocity)),
+        default_settings=default_settings,
     )
-    output = config.output
-    return CompanionSettings(config.vehicle.system_id, output.system_id, output.component_id, output.rate_hz, data)

@@ -1,233 +1,232 @@
-"""The daemon's work without its waiting: bytes of links in, frames for links out, time as an argument.
+"""The daemon's work without I/O: bytes of links in, frames for links out, notes for the log, time as an argument.
 
-Framer, companion, decoder and pipeline are put together here. ``attest_mav.runtime.daemon`` gives it the real links
-and the real clock; tests give it a simulated vehicle and a counter.
+Framers, companion, decoder and pipeline are put together here. A host moves the bytes, calls ``poll`` when ``due_ns``
+has come, and logs the notes: ``attest_mav.runtime.daemon`` with real links and the real clock, tests with a simulated
+vehicle and a counter. Everything that anyone may see of the service is in ``snapshot``.
 """
 
-import logging
-from collections.abc import Callable, Sequence
-from math import degrees, isfinite, nan, radians
+from collections.abc import Sequence
+from math import nan
+from typing import Final
 
-from attest_mav.config.records import Config
 from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.pipeline import Pipeline
+from attest_mav.estimation.vehicle import Vehicle
 from attest_mav.mavlink.component.companion import ACTIVE, BOOT, CALIBRATING, CRITICAL, Companion
+from attest_mav.mavlink.component.notes import Note
 from attest_mav.mavlink.decode.autopilot_parameters import facts_of_firmware
 from attest_mav.mavlink.decode.decoder import Decoder, of_message
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.framer import Framer
-from attest_mav.service.assembly import companion_settings, port_settings
-from attest_mav.service.status import verdict_text
-from attest_mav.types import (
-    EarthField,
-    Estimate,
-    HeartbeatSample,
-    ImuSample,
-    ParameterSample,
-    PositionSample,
-    Sample,
-    VehicleSettings,
+from attest_mav.service.field_lookup import FieldFinder, FieldLookup
+from attest_mav.service.observation import (
+    lane_snapshots,
+    link_snapshot,
+    refusals,
+    stream_snapshot,
+    vehicle_snapshot,
 )
+from attest_mav.service.settings import ServiceSettings
+from attest_mav.service.snapshot import NO_TRAFFIC, NoteCounts, Snapshot, Traffic, VerdictStanding
+from attest_mav.service.status import verdict_text
+from attest_mav.types import EarthField, Estimate, ImuSample, ParameterSample, PositionSample, Sample
 
-log = logging.getLogger("attest_mav.service")
+REFUSALS_NS: Final = 1_000_000_000
+"""Period at which the decoder's refusals are looked through, ns."""
 
-FieldFinder = Callable[[float, float, float], tuple[EarthField, str]]
-"""Latitude, longitude (degrees) and altitude (m) to the Earth's field and where it is known from."""
-
-FAR_DEG = 0.5
-"""The field is looked up again after so many degrees of latitude or longitude: it hardly changes sooner."""
-
-REPORT_NS = 1_000_000_000
-"""How often refusals of the decoder are looked for."""
-
-_WARNINGS = {LaneEventKind.STOPPED, LaneEventKind.FROZEN, LaneEventKind.REBOOTED, LaneEventKind.HEADING_LOST}
+_WARNINGS: Final = {
+    LaneEventKind.STOPPED,
+    LaneEventKind.FROZEN,
+    LaneEventKind.REBOOTED,
+    LaneEventKind.HEADING_LOST,
+}
+_VERDICT_CODES: Final = {Agreement.AGREE: 1.0, Agreement.DISAGREE: 0.0, Agreement.UNDECIDED: -1.0}
+"""The value of ATT_OK for each verdict."""
 
 
 class Service:
     """One vehicle's attitude, from the bytes of its links to the frames that are sent on them."""
 
     def __init__(
-        self, config: Config, links: Sequence[str], dialect: Dialect, find_field: FieldFinder, now_ns: int
+        self, settings: ServiceSettings, links: Sequence[str], dialect: Dialect, find_field: FieldFinder, now_ns: int
     ) -> None:
-        """``links``: the names of the links, one for each of ``config.link``."""
-        self.config = config
-        ports = [(name, port_settings(link)) for name, link in zip(links, config.link, strict=True)]
-        self.companion = Companion(dialect, companion_settings(config), ports, now_ns)
-        self._dialect = dialect
-        self.framers = [Framer(dialect, self.companion.wanted) for _ in links]
-        self.decoder = Decoder(dialect, config.raw_imu.scales())
-        self.pipeline: Pipeline | None = None
-        self.samples = 0
+        """``links``: the names of the links, one for each of ``settings.ports``."""
         self.due_ns = now_ns
         """When ``poll`` is due; a time in the past is at once."""
-        self._find_field = find_field
-        self._field = EarthField()
-        self._field_place: tuple[float, float] | None = None
+        self._settings: Final = settings
+        self._dialect: Final = dialect
+        ports = list(zip(links, settings.ports, strict=True))
+        self._companion: Final = Companion(dialect, settings.companion, ports, now_ns)
+        self._notebook: Final = self._companion.notebook
+        self._framers: Final = [Framer(dialect, self._companion.wanted) for _ in links]
+        self._decoder = Decoder(dialect, settings.raw_scales)
+        self._vehicle = Vehicle(settings.pipeline.aids)
+        self._vehicle.field = EarthField(settings.declination)
+        self._field_lookup: Final = FieldLookup(find_field, settings.declination, self._notebook)
+        self._pipeline: Pipeline | None = None
+        self._standing: VerdictStanding | None = None
+        self._sender = self._companion.sender
+        self._samples = 0
+        self._stale_ns: Final = int(settings.pipeline.stale_s * 1e9)
         self._sample_ns = now_ns - 10 * self._stale_ns
-        self._sender = self.companion.sender
-        self._heartbeat: HeartbeatSample | None = None
-        self._facts = VehicleSettings()
-        self._told: dict[str, str] = {}
-        self._agreement: Agreement | None = None
-        self._next_report_ns = now_ns + REPORT_NS
-        if config.estimate.declination_deg != "auto":
-            self._field = EarthField(radians(config.estimate.declination_deg))
+        self._reported: Final[dict[str, str]] = {}
+        self._next_refusals_ns = now_ns + REFUSALS_NS
 
     @property
     def estimate(self) -> Estimate | None:
-        """The newest estimate, None while there is none that holds."""
-        return None if self.pipeline is None else self.pipeline.estimate
+        """The newest valid estimate, else None."""
+        return None if self._pipeline is None else self._pipeline.estimate
 
     def fresh(self, now_ns: int) -> bool:
-        """Whether the newest estimate is recent enough to be called one."""
+        """Whether there is an estimate younger than the configured limit."""
         estimate = self.estimate
         return estimate is not None and now_ns - estimate.rx_ns < self._stale_ns
 
     def receive(self, link: int, data: bytes, now_ns: int) -> None:
         """Take bytes that arrived on a link."""
-        companion = self.companion
-        for frame in self.framers[link].feed(data, now_ns):
+        companion = self._companion
+        for frame in self._framers[link].feed(data, now_ns):
             is_data = companion.handle(link, frame, now_ns)
             if companion.sender != self._sender:
                 self._begin_anew()
             if is_data:
-                for sample in self.decoder.decode(frame):
+                for sample in self._decoder.decode(frame):
                     self._take(sample, now_ns)
             else:
                 self.due_ns = now_ns  # a heartbeat, an answer, a command: something may follow from it
 
     def link_restarted(self, link: int) -> None:
-        """A link was opened again: whatever was half received is lost."""
-        self.framers[link].reset()
-        self.companion.link_broken(link)
+        """A link was opened again: a frame that was received in part is dropped."""
+        self._framers[link].reset()
+        self._companion.link_broken(link)
         self.due_ns = 0
 
     def poll(self, now_ns: int) -> None:
-        """Do what is due."""
-        if self.pipeline is not None:
-            self._act(self.pipeline.poll(now_ns), now_ns)
-        if now_ns >= self._next_report_ns:
-            self._next_report_ns = now_ns + REPORT_NS
+        """Do everything that is due."""
+        if self._pipeline is not None:
+            self._act(self._pipeline.poll(now_ns), now_ns)
+        if now_ns >= self._next_refusals_ns:
+            self._next_refusals_ns = now_ns + REFUSALS_NS
             self._report_refusals()
-        self.companion.state = self._state(now_ns)
-        self.companion.poll(now_ns)
-        for note in self.companion.notebook.take():
-            log.log(note.level, "%s", note.text)
-        self.due_ns = min(self.companion.next_deadline_ns, self._next_report_ns)
-        pipeline_ns = None if self.pipeline is None else self.pipeline.next_deadline_ns
+        self._companion.state = self._state(now_ns)
+        self._companion.poll(now_ns)
+        self.due_ns = min(self._companion.next_deadline_ns, self._next_refusals_ns)
+        pipeline_ns = None if self._pipeline is None else self._pipeline.next_deadline_ns
         if pipeline_ns is not None:
             self.due_ns = min(self.due_ns, pipeline_ns)
 
     def take_frames(self, link: int) -> list[bytes]:
-        """The frames to be written to a link."""
-        return self.companion.ports[link].take()
+        """The frames to be written to a link; each is handed out once."""
+        return self._companion.ports[link].take()
+
+    def take_notes(self) -> list[Note]:
+        """The lines for the log since the last call, oldest first."""
+        return self._notebook.take()
 
     def stop(self) -> None:
-        """Leave the last words to ``take_frames``."""
-        self.companion.stop()
+        """Leave the last frames to ``take_frames``: rates set back, and a heartbeat that says goodbye."""
+        self._companion.stop()
 
-    @property
-    def _stale_ns(self) -> int:
-        return int(self.config.estimate.stale_s * 1e9)
+    def snapshot(self, now_ns: int, traffic: Sequence[Traffic] = ()) -> Snapshot:
+        """Everything that may be seen of the service. ``traffic``: the host's counters, one record a link."""
+        companion, decoder = self._companion, self._decoder
+        parts = zip(self._framers, companion.ports, traffic or [NO_TRAFFIC] * len(self._framers), strict=True)
+        inertial = companion.data.imu
+        return Snapshot(
+            now_ns=now_ns,
+            state=companion.state,
+            vehicle=vehicle_snapshot(companion.lock_on, self._vehicle),
+            ambiguity=companion.lock_on.ambiguity,
+            links=tuple(link_snapshot(framer, port, counters) for framer, port, counters in parts),
+            streams=tuple(stream_snapshot(stream) for stream in companion.data.keeper.streams),
+            inertial="" if inertial is None else inertial.name,
+            not_independent=frozenset(name for name, independent in decoder.independent.items() if not independent),
+            refusals=refusals(decoder),
+            samples=self._samples,
+            lanes=lane_snapshots(self._pipeline),
+            verdict=self._standing,
+            notes=NoteCounts(self._notebook.warnings, self._notebook.errors, self._notebook.dropped),
+        )
 
     def _take(self, sample: Sample, now_ns: int) -> None:
         if isinstance(sample, ImuSample):
-            if not self.companion.imu_taken(sample.source, now_ns):
+            if not self._companion.imu_taken(sample.source, now_ns):
                 return
-            self.samples += 1
+            self._samples += 1
             self._sample_ns = now_ns
-            if self.pipeline is None or self.pipeline.primary != sample.source:
+            if self._pipeline is None or self._pipeline.primary != sample.source:
                 self._begin_pipeline(sample.source)
-        elif isinstance(sample, HeartbeatSample):
-            self._heartbeat = sample
         elif isinstance(sample, PositionSample):
-            self._look_field_up(sample)
+            self._vehicle.field = self._field_lookup.at(sample) or self._vehicle.field
         elif isinstance(sample, ParameterSample):
-            self._facts = self._facts.updated(sample.setting, sample.value)
-            self.companion.parameter_taken(sample)
-            self.due_ns = now_ns  # there may be a note of it
-        if self.pipeline is not None:
-            self._act(self.pipeline.handle(sample), now_ns)
+            self._companion.parameter_taken(sample)
+        if self._pipeline is None:
+            self._vehicle.take(sample)
+        else:
+            self._act(self._pipeline.handle(sample), now_ns)
 
     def _begin_anew(self) -> None:
-        """Another vehicle, another part of it, or none: what the last one sent says nothing about this one."""
-        self._sender = self.companion.sender
-        self.decoder = Decoder(self._dialect, self.config.raw_imu.scales())
-        self.pipeline = self._heartbeat = None
-        self._facts = facts_of_firmware(self._sender[2])
-        self._agreement = None
-        self.companion.tell_verdict(nan, nan, nan)
+        """Another vehicle, another component of it, or none: nothing learned from the last one holds for this one."""
+        self._sender = self._companion.sender
+        self._decoder = Decoder(self._dialect, self._settings.raw_scales)
+        before = self._vehicle
+        self._vehicle = Vehicle(self._settings.pipeline.aids)
+        self._vehicle.settings = facts_of_firmware(self._sender[2])
+        self._vehicle.field = before.field  # the place is the same until a position says otherwise
+        self._pipeline = self._standing = None
+        self._companion.tell_verdict(nan, nan, nan)
 
     def _begin_pipeline(self, source: str) -> None:
-        config = self.config
-        self.pipeline = Pipeline(config.pipeline_settings(), config.filter.build(), [source])
-        self.pipeline.set_vehicle_settings(self._facts)
-        self.pipeline.set_field(self._field)
-        if self._heartbeat is not None:
-            self.pipeline.handle(self._heartbeat)  # whether it is armed counts from the first sample on
-        note = self.decoder.notes.get(source, "")
-        log.info("using %s with the filter %s%s", source, config.filter.chosen, f" ({note})" if note else "")
+        """Run the filter on another inertial message; what is known of the vehicle goes on."""
+        attitude_filter = self._settings.attitude_filter
+        self._pipeline = Pipeline(self._settings.pipeline, attitude_filter, [source], self._vehicle)
+        note = self._decoder.notes.get(source, "")
+        self._notebook.info(f"using {source} with the filter {attitude_filter.name}{f' ({note})' if note else ''}")
 
     def _act(self, events: list[Event], now_ns: int) -> None:
-        """Do what the pipeline's events mean."""
+        """Publish estimates, pass verdicts on, and note the events of the lanes."""
         for event in events:
             if isinstance(event, Estimate):
                 if event is self.estimate:  # one that came too late to hold is not sent
-                    self.companion.publish(event, now_ns)
+                    self._companion.publish(event, now_ns)
             elif isinstance(event, Verdict):
                 self.due_ns = now_ns
                 self._take_verdict(event)
             elif isinstance(event, LaneEvent):
                 self.due_ns = now_ns
-                log.log(logging.WARNING if event.kind in _WARNINGS else logging.INFO, "%s: %s", event.lane, event.text)
+                note = self._notebook.warning if event.kind in _WARNINGS else self._notebook.info
+                note(f"{event.lane}: {event.text}")
                 if event.kind == LaneEventKind.REBOOTED:
-                    self.companion.ask_again(now_ns)
+                    self._companion.ask_again(now_ns)
         if events and self.estimate is None:
-            self.companion.withdraw()
+            self._companion.withdraw()
 
     def _take_verdict(self, verdict: Verdict) -> None:
-        """Pass the verdict on; log it when it changes."""
-        codes = {Agreement.AGREE: 1.0, Agreement.DISAGREE: 0.0, Agreement.UNDECIDED: -1.0}
-        self.companion.tell_verdict(codes[verdict.agreement], verdict.tilt, verdict.heading)
-        if verdict.agreement != self._agreement:
-            self._agreement = verdict.agreement
-            level = logging.WARNING if verdict.agreement == Agreement.DISAGREE else logging.INFO
-            log.log(level, "verdict: %s", verdict_text(verdict))
+        """Pass the verdict on; leave a note when it changes."""
+        self._companion.tell_verdict(_VERDICT_CODES[verdict.agreement], verdict.tilt, verdict.heading)
+        before = self._standing
+        if before is not None and before.verdict.agreement == verdict.agreement:
+            self._standing = VerdictStanding(verdict, before.since_ns)
+            return
+        self._standing = VerdictStanding(verdict, verdict.rx_ns)
+        note = self._notebook.warning if verdict.agreement == Agreement.DISAGREE else self._notebook.info
+        note(f"verdict: {verdict_text(verdict)}")
 
     def _state(self, now_ns: int) -> int:
-        """MAV_STATE, true to life: a filter that is too unsure for a verdict has not converged."""
+        """MAV_STATE; a filter too uncertain for a verdict is still calibrating."""
         estimate = self.estimate
         if estimate is not None and self.fresh(now_ns):
-            if self._agreement == Agreement.DISAGREE:
+            if self._standing is not None and self._standing.verdict.agreement == Agreement.DISAGREE:
                 return CRITICAL
-            unsure = estimate.tilt_sigma > radians(self.config.verdict.max_sigma_deg)
-            return CALIBRATING if unsure else ACTIVE
+            return CALIBRATING if estimate.tilt_sigma > self._settings.pipeline.verdict.max_sigma else ACTIVE
         return CALIBRATING if now_ns - self._sample_ns < self._stale_ns else BOOT
 
-    def _look_field_up(self, position: PositionSample) -> None:
-        """Look the Earth's field up at the first position, and again far from there; a configured declination stays."""
-        place = (position.latitude_deg, position.longitude_deg)
-        known = self._field_place
-        if known is not None and max(abs(place[0] - known[0]), abs(place[1] - known[1])) < FAR_DEG:
-            return
-        self._field_place = place
-        found, source = self._find_field(*place, position.altitude_m)
-        if not isfinite(found.declination):
-            return
-        if self.config.estimate.declination_deg != "auto":
-            found = EarthField(self._field.declination, found.inclination)
-        else:
-            log.info("headings are true: declination %+.2f degrees by %s", degrees(found.declination), source)
-        self._field = found
-        if self.pipeline is not None:
-            self.pipeline.set_field(found)
-
     def _report_refusals(self) -> None:
-        """Say once why the inertial message gives no samples, or none with a magnetometer."""
-        stream = self.companion.data.imu
+        """Note once why the inertial message gives no samples, or none with a magnetometer."""
+        stream = self._companion.data.imu
         if stream is None:
             return
-        for source, reason in self.decoder.refusals.items():
-            if source in of_message(stream.name) and self._told.get(source) != reason:
-                self._told[source] = reason
-                log.warning("%s", reason)
+        for source, reason in self._decoder.refusals.items():
+            if source in of_message(stream.name) and self._reported.get(source) != reason:
+                self._reported[source] = reason
+                self._notebook.warning(reason)

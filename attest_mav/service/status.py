@@ -1,20 +1,18 @@
-"""What a person reads about a running daemon: one line, in degrees and hertz."""
+"""The status line: a snapshot as one line for people, in degrees and hertz."""
 
 from math import degrees, isfinite
-from typing import TYPE_CHECKING
+from typing import Final
 
 from attest_mav.algebra import q_to_euler
 from attest_mav.estimation.events import Agreement, Verdict
 from attest_mav.mavlink.component.companion import ACTIVE, BOOT, CALIBRATING, CRITICAL
+from attest_mav.service.snapshot import LaneSnapshot, Rates, Snapshot, rates_between
 from attest_mav.types import Estimate, North
 
-if TYPE_CHECKING:
-    from attest_mav.service.service import Service
+STATE_NAMES: Final = {BOOT: "waiting", CALIBRATING: "aligning", ACTIVE: "active", CRITICAL: "CRITICAL"}
+NORTH_NAMES: Final = {North.RELATIVE: "from the start", North.MAGNETIC: "magnetic", North.TRUE: "true"}
 
-STATE_NAMES = {BOOT: "waiting", CALIBRATING: "aligning", ACTIVE: "active", CRITICAL: "CRITICAL"}
-NORTH_NAMES = {North.RELATIVE: "from the start", North.MAGNETIC: "magnetic", North.TRUE: "true"}
-
-_VERDICTS = {
+_VERDICTS: Final = {
     Agreement.AGREE: "agrees",
     Agreement.DISAGREE: "DISAGREES",
     Agreement.UNDECIDED: "undecided",
@@ -22,13 +20,13 @@ _VERDICTS = {
 
 
 def attitude_text(estimate: Estimate) -> str:
-    """Roll, pitch and yaw in degrees, and what the yaw is measured from."""
+    """Roll, pitch and yaw in degrees, and the north of the yaw."""
     roll, pitch, yaw = (degrees(angle) for angle in q_to_euler(estimate.q_nb))
     return f"roll {roll:+.1f} pitch {pitch:+.1f} yaw {yaw % 360.0:.1f} ({NORTH_NAMES[estimate.north]})"
 
 
 def filter_text(estimate: Estimate, rests_on: str) -> str:
-    """Which filter runs, what it rests on now ("" where it always does the same), and its own 1-sigma in degrees."""
+    """The filter, the aiding it rests on ("" for a filter that always has the same), and its 1-sigma in degrees."""
     parts = [estimate.filter_name]
     if rests_on:
         parts.append(rests_on)
@@ -39,7 +37,7 @@ def filter_text(estimate: Estimate, rests_on: str) -> str:
 
 
 def verdict_text(verdict: Verdict) -> str:
-    """Whether the autopilot agrees, and by how much it does not."""
+    """Whether the autopilot's attitude agrees, and the differences in degrees."""
     parts = [f"{verdict.source or 'autopilot'} {_VERDICTS[verdict.agreement]}"]
     if verdict.agreement == Agreement.UNDECIDED or verdict.reason != "agrees":
         parts.append(f"({verdict.reason})")
@@ -50,76 +48,59 @@ def verdict_text(verdict: Verdict) -> str:
     return " ".join(parts)
 
 
-class StatusLine:
-    """Writes the line; keeps the counts of the last one, so that rates are those in between."""
-
-    def __init__(self, now_ns: int) -> None:
-        self._since_ns = now_ns
-        self._samples = 0
-        self._sent = 0
-
-    def write(self, service: "Service", now_ns: int) -> str:
-        """The line for now."""
-        span_s = max((now_ns - self._since_ns) / 1e9, 1e-9)
-        sent = max((port.attitudes_sent for port in service.companion.ports), default=0)
-        imu_hz, sent_hz = (service.samples - self._samples) / span_s, (sent - self._sent) / span_s
-        self._since_ns, self._samples, self._sent = now_ns, service.samples, sent
-        parts = [STATE_NAMES.get(service.companion.state, "?"), _imu_text(service, imu_hz)]
-        estimate = service.estimate
-        if estimate is None:
-            parts += _obstacles(service)
-        else:
-            parts.append(attitude_text(estimate))
-            parts += _pipeline_texts(service, estimate)
-        held = [port.name for port in service.companion.ports if port.held]
-        parts.append(f"sent {sent_hz:.1f} Hz" + (f", held back on {', '.join(held)}" if held else ""))
-        return " | ".join(parts)
+def status_line(now: Snapshot, before: Snapshot) -> str:
+    """The state of ``now``, with the rates since ``before``."""
+    rates = rates_between(before, now)
+    parts = [STATE_NAMES.get(now.state, "?"), _inertial_text(now, rates)]
+    lane = now.published_lane
+    if lane is None or lane.estimate is None:
+        parts += _obstacles(now)
+    else:
+        parts.append(attitude_text(lane.estimate))
+        parts += _filter_texts(now, lane, lane.estimate)
+    held = [link.name for link in now.links if link.held_back]
+    parts.append(f"sent {rates.published:.1f} Hz" + (f", held back on {', '.join(held)}" if held else ""))
+    return " | ".join(parts)
 
 
-def _obstacles(service: "Service") -> list[str]:
-    """Why there is no attitude."""
-    stream = service.companion.data.imu
-    if stream is None:
+def _obstacles(now: Snapshot) -> list[str]:
+    """Why there is no attitude; nothing before there is a vehicle."""
+    if now.inertial_stream is None:
         return []
-    refusal = service.decoder.refusals.get(stream.name)
-    if refusal is not None:
-        return [f"nothing is sent: {refusal}"]
-    if service.companion.state == CALIBRATING:
+    if now.inertial_refusal:
+        return [f"nothing is sent: {now.inertial_refusal}"]
+    if now.state == CALIBRATING:
         return ["nothing is sent: aligning"]
-    return ["nothing is sent: no sample has come" if service.pipeline is None else "nothing is sent: samples stopped"]
+    return ["nothing is sent: samples stopped" if now.lanes else "nothing is sent: no sample has come"]
 
 
-def _nobody_text(service: "Service") -> str:
-    """What is heard instead of a vehicle."""
-    if any(framer.frames for framer in service.framers):
+def _nobody_text(now: Snapshot) -> str:
+    """The traffic that is heard instead of a vehicle."""
+    if any(link.frames for link in now.links):
         return "no vehicle yet: MAVLink comes, but no HEARTBEAT of an autopilot"
-    if any(framer.bad_bytes for framer in service.framers):
+    if any(link.bad_bytes for link in now.links):
         return "no vehicle yet: bytes come, but no MAVLink; is the baud rate right?"
     return "no vehicle yet"
 
 
-def _imu_text(service: "Service", hz: float) -> str:
-    """The inertial message: asked for, answered, arriving."""
-    stream = service.companion.data.imu
+def _inertial_text(now: Snapshot, rates: Rates) -> str:
+    """The inertial message with its rate, and the autopilot's answer to the request."""
+    stream = now.inertial_stream
     if stream is None:
-        return service.companion.lock_on.ambiguity or _nobody_text(service)
-    asked = f"{stream.name} {hz:.1f} of {stream.hz:g} Hz"
-    if not service.decoder.independent.get(stream.name, True):
+        return now.ambiguity or _nobody_text(now)
+    asked = f"{stream.name} {rates.samples:.1f} of {stream.hz:g} Hz"
+    if stream.name in now.not_independent:
         asked += ", not independent of the autopilot's filter"
     if stream.ceiling_hz > 0.0:
         return f"{asked} (the autopilot's limit)"
     return asked if stream.answer in {"", "accepted"} else f"{asked} ({stream.answer})"
 
 
-def _pipeline_texts(service: "Service", estimate: Estimate) -> list[str]:
-    """What stands behind the attitude: the filter and its aids, and the verdict."""
-    pipeline = service.pipeline
-    if pipeline is None or estimate.lane not in pipeline.lanes:
-        return []
-    lane = pipeline.lanes[estimate.lane]
+def _filter_texts(now: Snapshot, lane: LaneSnapshot, estimate: Estimate) -> list[str]:
+    """The filter of the lane with its aiding, and the verdict."""
     texts = [filter_text(estimate, lane.rests_on)]
-    if estimate.filter_name == "leveling":
-        texts.append(f"speed from {pipeline.vehicle.speed_source}")
-    if pipeline.verdict is not None:
-        texts.append(verdict_text(pipeline.verdict))
+    if estimate.filter_name == "leveling" and now.vehicle is not None:
+        texts.append(f"speed from {now.vehicle.speed_source}")
+    if now.verdict is not None:
+        texts.append(verdict_text(now.verdict.verdict))
     return texts

@@ -21,6 +21,14 @@ def test_check_says_that_a_file_is_valid_and_what_it_makes():
 
 
 @pytest.mark.parametrize("name", ["check", "show"])
+def test_a_simulation_that_does_not_exist_is_a_configuration_error(tmp_path, name):
+    path = tmp_path / "sim.toml"
+    path.write_text("[[link]]\nurl = 'sim:still'\n[[link]]\nurl = 'sim:nonsense'\n")
+    with pytest.raises(ConfigError, match=r"sim\.toml: link\[1\]\.url: unknown scenario 'nonsense': expected one of"):
+        run(name, str(path))
+
+
+@pytest.mark.parametrize("name", ["check", "show"])
 def test_a_wrong_file_is_a_configuration_error(tmp_path, name):
     path = tmp_path / "wrong.toml"
     path.write_text("[outptu]\n")

@@ -9,8 +9,12 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from attest_mav.algebra import heading_between, tilt_between
 from attest_mav.config.records import Config, parse_config
+from attest_mav.mavlink.component.notes import Note
 from attest_mav.mavlink.dialect import Dialect, load_dialect
+from attest_mav.service.assembly import service_settings
 from attest_mav.service.service import Service
+from attest_mav.service.snapshot import Snapshot
+from attest_mav.service.status import status_line
 from attest_mav.sim.autopilot import FakeAutopilot
 from attest_mav.sim.settings import SimSettings
 from attest_mav.types import EarthField
@@ -39,12 +43,15 @@ class Flight:
         self.now_ns = 0
         self.vehicle = FakeAutopilot(settings, 1, dialect)
         names = [link.url for link in config.link]
-        self.service = Service(config, names, dialect, lambda *_: (FIELD, "a test"), 0)
+        self.service = Service(service_settings(config), names, dialect, lambda *_: (FIELD, "a test"), 0)
         self.heard: list[tuple[float, Any]] = []
         self.raw: list[bytes] = []
         self.deaf_to: set[int] = set()
         """Ids of messages that do not reach the service."""
+        self.notes: list[Note] = []
+        """The lines for the log, as the daemon writes them."""
         self._chunk = chunk
+        self._shown = self.service.snapshot(0)
         self._parser = mavlink.MAVLink(None)
 
     def run_until(self, t_s: float) -> None:
@@ -66,7 +73,21 @@ class Flight:
         self.service.stop()
         self._exchange()
 
+    @property
+    def texts(self) -> list[str]:
+        """The notes' texts."""
+        return [note.text for note in self.notes]
+
+    def snapshot(self) -> Snapshot:
+        return self.service.snapshot(self.now_ns)
+
+    def status(self) -> str:
+        """The status line, with the rates since the last one."""
+        before, self._shown = self._shown, self.snapshot()
+        return status_line(self._shown, before)
+
     def _exchange(self) -> None:
+        self.notes += self.service.take_notes()
         for frame in self.service.take_frames(0):
             self.vehicle.handle(frame, self.now_ns)
             self.raw.append(frame)

@@ -1,5 +1,6 @@
 """Disturbance, limits, virtual time, real code: each test is a flight."""
 
+import logging
 import math
 import re
 
@@ -7,7 +8,6 @@ import pytest
 
 from attest_mav.estimation.events import Agreement
 from attest_mav.mavlink.component.encoder import Encoder
-from attest_mav.service.status import StatusLine
 from attest_mav.sim.settings import PERFECT, Faults, SimSettings
 
 SECOND = 1_000_000_000
@@ -75,29 +75,28 @@ def test_every_filter_flies(flight, name):
 def test_the_autopilot_decides_what_is_asked_for(flight, personality, message):
     f = flight("", sim(personality=personality))
     f.run_until(5.0)
-    assert f.service.pipeline.primary == message
-    stream = f.service.companion.data.imu
+    assert [lane.source for lane in f.snapshot().lanes] == [message]
+    stream = f.snapshot().inertial_stream
     assert (stream.name, stream.answer) == (message, "accepted")
     assert stream.achieved_hz == pytest.approx(50.0, abs=1.0)
 
 
 @pytest.mark.parametrize("scenario", ["hover", "coordinated-turns"])
-def test_without_a_usable_field_the_heading_of_px4_is_found_in_flight(flight, caplog, scenario):
+def test_without_a_usable_field_the_heading_of_px4_is_found_in_flight(flight, scenario):
     """SCALED_IMU's magnetometer is in axes of its own. Until motion has told the heading nobody is judged by it."""
-    caplog.set_level("INFO", "attest_mav")
     f = flight("", sim(scenario, personality="px4"))
     f.run_until(30.0)
     tilt, heading = f.errors_deg(20.0)
     assert tilt < 0.8
     assert heading < 3.0
-    assert f.service.pipeline.verdict.agreement == Agreement.AGREE
-    assert not [text for text in caplog.messages if "DISAGREES" in text]
+    assert f.snapshot().verdict.verdict.agreement == Agreement.AGREE
+    assert not [text for text in f.texts if "DISAGREES" in text]
 
 
 def test_what_is_not_independent_is_said(flight):
     f = flight("[streams]\nimu_messages = ['HIGHRES_IMU']", sim(personality="px4"))
     f.run_until(4.0)
-    line = StatusLine(0).write(f.service, f.now_ns)
+    line = f.status()
     assert line.split(" | ")[1].endswith("not independent of the autopilot's filter")
 
 
@@ -105,7 +104,7 @@ def test_what_is_not_independent_is_said(flight):
 def test_the_speed_that_leveling_uses_is_said(flight, scenario, source):
     f = flight("[filter]\nname = 'leveling'", sim(scenario=scenario))
     f.run_until(4.0)
-    assert f"speed from {source}" in StatusLine(0).write(f.service, f.now_ns).split(" | ")
+    assert f"speed from {source}" in f.status().split(" | ")
 
 
 def test_an_attitude_that_is_held_back_is_said(flight):
@@ -114,13 +113,13 @@ def test_an_attitude_that_is_held_back_is_said(flight):
     f.service.receive(0, Encoder(f.vehicle.dialect, 1, 191).heartbeat(18, 8, 0, 4), f.now_ns)
     f.run_until(4.0)
     assert f.of_type("ATTITUDE_QUATERNION", 3.1) == []
-    assert StatusLine(0).write(f.service, f.now_ns).endswith("held back on udpin::0")
+    assert f.status().endswith("held back on udpin::0")
 
 
 def test_a_message_that_is_denied_gives_way_to_one_that_is_not(flight):
     f = flight("[streams]\nimu_messages = ['HIGHRES_IMU', 'RAW_IMU']")
     f.run_until(4.0)
-    assert f.service.pipeline.primary == "RAW_IMU"
+    assert [lane.source for lane in f.snapshot().lanes] == ["RAW_IMU"]
     assert f.of_type("ATTITUDE_QUATERNION")
 
 
@@ -132,8 +131,7 @@ def test_without_requests_what_comes_is_used(flight):
     assert f.of_type("ATTITUDE_QUATERNION", 9.0)
 
 
-def test_when_the_imu_stops_publishing_stops_and_the_state_says_so(flight, caplog):
-    caplog.set_level("INFO", "attest_mav")
+def test_when_the_imu_stops_publishing_stops_and_the_state_says_so(flight):
     f = flight("", sim(faults=Faults(imu_silent=(5.0, 10.0))))
     f.run_until(5.0)
     assert f.service.fresh(f.now_ns)
@@ -141,8 +139,8 @@ def test_when_the_imu_stops_publishing_stops_and_the_state_says_so(flight, caplo
     assert not f.service.fresh(f.now_ns)
     assert f.of_type("ATTITUDE_QUATERNION", 5.1) == [], "nothing stale is sent"
     assert {beat.system_status for beat in f.of_type("HEARTBEAT", 5.6, 9.9)} == {BOOT}
-    assert "RAW_IMU: no usable sample for 0.5 s: nothing is published" in caplog.messages
-    assert "nothing is sent: samples stopped" in StatusLine(0).write(f.service, f.now_ns)
+    assert "RAW_IMU: no usable sample for 0.5 s: nothing is published" in f.texts
+    assert "nothing is sent: samples stopped" in f.status()
     f.run_until(14.0)
     assert f.service.fresh(f.now_ns)
     assert f.of_type("ATTITUDE_QUATERNION", 11.0)
@@ -171,15 +169,14 @@ def test_readings_that_are_not_finite_are_never_published(flight):
     assert f.of_type("ATTITUDE_QUATERNION", 9.0)
 
 
-def test_a_wrong_autopilot_is_said(flight, caplog):
-    caplog.set_level("INFO", "attest_mav")
+def test_a_wrong_autopilot_is_said(flight):
     fault = Faults(attitude_offset=(0.5, 0.0, 0.0), attitude_offset_from_s=6.0)
     f = flight("[[link]]\nurl = 'sim:'\n", sim(faults=fault))
     f.run_until(5.9)
     assert f.of_type("HEARTBEAT")[-1].system_status == ACTIVE
     f.run_until(9.0)
     assert f.of_type("HEARTBEAT")[-1].system_status == CRITICAL
-    assert any(text.startswith("verdict: ATTITUDE DISAGREES (tilt)") for text in caplog.messages)
+    assert any(text.startswith("verdict: ATTITUDE DISAGREES (tilt)") for text in f.texts)
 
 
 def test_the_verdict_reaches_the_autopilots_log_where_wanted(flight):
@@ -193,14 +190,13 @@ def test_the_verdict_reaches_the_autopilots_log_where_wanted(flight):
     assert f.of_type("ATTITUDE_QUATERNION") == []
 
 
-def test_a_reboot_realigns_and_asks_again(flight, caplog):
-    caplog.set_level("INFO", "attest_mav")
+def test_a_reboot_realigns_and_asks_again(flight):
     f = flight("", sim(faults=Faults(reboot_at_s=6.0)))
     f.run_until(5.9)
     asked = len(f.of_type("COMMAND_LONG"))
     f.run_until(14.0)
     assert len(f.of_type("COMMAND_LONG")) >= 2 * asked
-    assert any("went back" in text for text in caplog.messages)
+    assert any("went back" in text for text in f.texts)
     times = [one.time_boot_ms for one in f.of_type("ATTITUDE_QUATERNION", 9.0)]
     assert times
     assert max(times) < 9000, "the new time base"
@@ -218,17 +214,15 @@ def test_a_reboot_realigns_and_asks_again(flight, caplog):
         ("px4", ["EKF2_GPS_DELAY"], ["GPS delay is 0.1 s (EKF2_GPS_DELAY)"]),
     ],
 )
-def test_the_settings_are_read_from_the_autopilot_before_the_first_sample(flight, caplog, personality, asked, said):
-    caplog.set_level("INFO", "attest_mav")
+def test_the_settings_are_read_from_the_autopilot_before_the_first_sample(flight, personality, asked, said):
     f = flight(VELOCITY_AIDED, sim(personality=personality))
     f.run_until(3.0)
     assert [one.param_id for one in f.of_type("PARAM_REQUEST_READ")] == asked
-    learned = [record.message for record in caplog.records if record.message.startswith("the autopilot's ")]
+    learned = [text for text in f.texts if text.startswith("the autopilot's ")]
     assert learned == [f"the autopilot's {text}" for text in said]
 
 
-def test_the_settings_are_asked_again_after_a_reboot_and_hold_until_then(flight, caplog):
-    caplog.set_level("INFO", "attest_mav")
+def test_the_settings_are_asked_again_after_a_reboot_and_hold_until_then(flight):
     f = flight(VELOCITY_AIDED, sim(faults=Faults(reboot_at_s=4.0)))
     f.run_until(3.0)
     f.service.receive(0, parameter(f, 60.0), f.now_ns)
@@ -238,7 +232,7 @@ def test_the_settings_are_asked_again_after_a_reboot_and_hold_until_then(flight,
     f.run_until(9.0)
     assert [one.param_id for one in f.of_type("PARAM_REQUEST_READ", 4.0)] == ["INS_GYRO_FILTER", "GPS1_DELAY_MS"]
     assert low_pass_hz(f) == 20.0
-    assert [text for text in caplog.messages if text.startswith("the autopilot's gyro")] == [
+    assert [text for text in f.texts if text.startswith("the autopilot's gyro")] == [
         "the autopilot's gyro low-pass is 20 Hz (INS_GYRO_FILTER)",
         "the autopilot's gyro low-pass is 60 Hz (INS_GYRO_FILTER)",
         "the autopilot's gyro low-pass is 20 Hz (INS_GYRO_FILTER)",
@@ -287,8 +281,8 @@ def parameter(f, value, sender=(1, 1)):
 
 
 def low_pass_hz(f):
-    """What the filters have been told."""
-    return f.service.pipeline.vehicle.settings.low_pass_hz
+    """The low-pass that the filters are given, Hz."""
+    return f.snapshot().vehicle.settings.low_pass_hz
 
 
 def test_headings_are_true_once_the_position_is_known(flight):
@@ -328,7 +322,7 @@ def test_garbage_is_survived(flight):
     assert f.of_type("ATTITUDE_QUATERNION", 8.0)
 
 
-def test_with_two_vehicles_nothing_is_sent_until_one_is_left(flight, caplog):
+def test_with_two_vehicles_nothing_is_sent_until_one_is_left(flight):
     f = flight()
     other = Encoder(f.vehicle.dialect, 2, 1)
     f.run_until(1.0)
@@ -339,8 +333,8 @@ def test_with_two_vehicles_nothing_is_sent_until_one_is_left(flight, caplog):
     assert f.service.estimate is None
     assert f.of_type("ATTITUDE_QUATERNION", 1.1) == []
     assert {beat.system_status for beat in f.of_type("HEARTBEAT", 2.5)} == {BOOT}
-    assert any(record.levelname == "ERROR" and "systems 1 and 2" in record.message for record in caplog.records)
-    line = StatusLine(0).write(f.service, f.now_ns)
+    assert any(note.level == logging.ERROR and "systems 1 and 2" in note.text for note in f.notes)
+    line = f.status()
     assert line.startswith("waiting | several vehicles, systems 1 and 2: name one with system_id under [vehicle]")
     f.run_until(18.0)
     assert len(f.of_type("ATTITUDE_QUATERNION", 16.0)) == pytest.approx(40, abs=2)
@@ -369,34 +363,29 @@ def test_the_estimate_of_another_component_is_not_carried_over_to_the_autopilot(
         values = {"time_usec": 10**9 + 20_000 * step, "xacc": 9.8, "xmag": 0.2, "zmag": 0.4, "fields_updated": 511}
         f.service.receive(0, other.message("HIGHRES_IMU", values | {"ygyro": 1e-3 * (step % 2)}), now_ns)
         f.service.poll(now_ns)
-    before = f.service.pipeline
-    assert before is not None
+    assert f.snapshot().lanes
     f.now_ns = 7 * SECOND
     f.service.receive(0, Encoder(f.vehicle.dialect, 1, 1).heartbeat(2, 12, 0, 4), f.now_ns)
-    assert f.service.pipeline is None
+    assert f.snapshot().lanes == ()
     assert f.service.estimate is None
 
 
 def test_what_is_heard_instead_of_a_vehicle_is_said(flight):
     f = flight()
-    assert "| no vehicle yet |" in StatusLine(0).write(f.service, 0)
+    assert "| no vehicle yet |" in f.status()
     f.service.receive(0, b"x" * 500, 0)
-    assert "| no vehicle yet: bytes come, but no MAVLink; is the baud rate right? |" in StatusLine(0).write(
-        f.service, 1
-    )
+    assert "| no vehicle yet: bytes come, but no MAVLink; is the baud rate right? |" in f.status()
     f.service.receive(0, Encoder(f.vehicle.dialect, 1, 1).message("ATTITUDE", {}), 0)
-    line = StatusLine(0).write(f.service, 2)
-    assert "| no vehicle yet: MAVLink comes, but no HEARTBEAT of an autopilot |" in line
+    assert "| no vehicle yet: MAVLink comes, but no HEARTBEAT of an autopilot |" in f.status()
 
 
 def test_the_status_line_says_it_all(flight):
     f = flight()
-    status = StatusLine(0)
-    assert status.write(f.service, 0) == "waiting | no vehicle yet | sent 0.0 Hz"
+    assert f.status() == "waiting | no vehicle yet | sent 0.0 Hz"
     f.run_until(6.0)
-    status.write(f.service, f.now_ns)
+    f.status()
     f.run_until(8.0)
-    line = status.write(f.service, f.now_ns)
+    line = f.status()
     state, imu, attitude, witness, verdict, sent = line.split(" | ")
     assert state == "active"
     assert imu.startswith("RAW_IMU 50.")

@@ -5,7 +5,7 @@ from math import degrees, nan, radians
 import pytest
 
 from attest_mav.mavlink.component.companion import CALIBRATING
-from attest_mav.service.status import StatusLine, filter_text
+from attest_mav.service.status import filter_text
 from attest_mav.sim.settings import SimSettings
 from attest_mav.types import Estimate, North
 
@@ -38,7 +38,7 @@ def test_the_filter_is_named_with_what_it_rests_on_and_how_sure_it_is(name, rest
 
 def witness(flight):
     """The status line's part about the filter."""
-    parts = StatusLine(0).write(flight.service, flight.now_ns).split(" | ")
+    parts = flight.status().split(" | ")
     (part,) = [part for part in parts if part.startswith("velocity-aided")]
     return part.partition(", sigma")[0]
 

@@ -1,4 +1,4 @@
-"""What the wire's logic wants a person to know: it does not log itself, it leaves notes for who does."""
+"""Lines for the log from code that does no I/O: it leaves them here, and the host fetches and logs them."""
 
 from typing import Final
 
@@ -23,6 +23,12 @@ class Notebook:
     """Where notes wait to be fetched."""
 
     def __init__(self) -> None:
+        self.warnings = 0
+        """Warnings so far."""
+        self.errors = 0
+        """Errors so far."""
+        self.dropped = 0
+        """Notes of any level that there was no room for."""
         self._notes: list[Note] = []
 
     def info(self, text: str) -> None:
@@ -31,15 +37,19 @@ class Notebook:
 
     def warning(self, text: str) -> None:
         """Something worth acting on."""
+        self.warnings += 1
         self._add(Note(WARNING, text))
 
     def error(self, text: str) -> None:
         """Something that keeps the whole from working until someone acts on it."""
+        self.errors += 1
         self._add(Note(ERROR, text))
 
     def _add(self, note: Note) -> None:
         if len(self._notes) < MAX_NOTES:
             self._notes.append(note)
+        else:
+            self.dropped += 1
 
     def take(self) -> list[Note]:
         """All notes since the last call, oldest first."""

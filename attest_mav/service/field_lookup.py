@@ -1,0 +1,39 @@
+"""The Earth's magnetic field at the vehicle: looked up at its first position, and again far from there."""
+
+from collections.abc import Callable
+from math import degrees, isfinite
+from typing import Final
+
+from attest_mav.mavlink.component.notes import Notebook
+from attest_mav.types import EarthField, PositionSample
+
+FieldFinder = Callable[[float, float, float], tuple[EarthField, str]]
+"""From latitude, longitude (degrees) and altitude (m) to the Earth's field and the name of the model."""
+
+FAR_DEG: Final = 0.5
+"""The field is looked up again after so many degrees of latitude or longitude: it hardly changes sooner."""
+
+
+class FieldLookup:
+    """Decides when to look the field up. ``declination``: the configured one, rad, which stays; NaN: looked up too."""
+
+    def __init__(self, find: FieldFinder, declination: float, notebook: Notebook) -> None:
+        self._find: Final = find
+        self._declination: Final = declination
+        self._notebook: Final = notebook
+        self._place: tuple[float, float] | None = None
+
+    def at(self, position: PositionSample) -> EarthField | None:
+        """The field there; None where the last one still holds, or where the model knows none."""
+        place = (position.latitude_deg, position.longitude_deg)
+        last = self._place
+        if last is not None and max(abs(place[0] - last[0]), abs(place[1] - last[1])) < FAR_DEG:
+            return None
+        self._place = place
+        found, model = self._find(*place, position.altitude_m)
+        if not isfinite(found.declination):
+            return None
+        if isfinite(self._declination):
+            return EarthField(self._declination, found.inclination)
+        self._notebook.info(f"headings are true: declination {degrees(found.declination):+.2f} degrees by {model}")
+        return found

@@ -1,0 +1,80 @@
+"""Parts of the service as records of a snapshot."""
+
+from attest_mav.estimation.lane import Lane
+from attest_mav.estimation.pipeline import Pipeline
+from attest_mav.estimation.vehicle import Vehicle
+from attest_mav.mavlink.component.discovery import LockOn
+from attest_mav.mavlink.component.ports import Port
+from attest_mav.mavlink.component.stream import Stream
+from attest_mav.mavlink.decode.decoder import Decoder
+from attest_mav.mavlink.wire.framer import Framer
+from attest_mav.service.snapshot import LaneSnapshot, LinkSnapshot, Refusal, StreamSnapshot, Traffic, VehicleSnapshot
+
+
+def link_snapshot(framer: Framer, port: Port, traffic: Traffic) -> LinkSnapshot:
+    """One link, from its receiving side, its sending side and its host's counters."""
+    return LinkSnapshot(
+        name=port.name,
+        frames=framer.frames,
+        bad_bytes=framer.bad_bytes,
+        bad_crc=framer.bad_crc,
+        lost_frames=framer.lost,
+        attitudes_sent=port.attitudes_sent,
+        held_back=port.held,
+        traffic=traffic,
+    )
+
+
+def vehicle_snapshot(lock_on: LockOn, vehicle: Vehicle) -> VehicleSnapshot | None:
+    """The vehicle, None before one is found. ``vehicle``: everything that its messages told."""
+    found = lock_on.vehicle
+    if found is None:
+        return None
+    return VehicleSnapshot(
+        system=found.system,
+        component=found.component,
+        autopilot=found.autopilot,
+        vehicle_type=found.vehicle_type,
+        link=found.link,
+        is_present=lock_on.present,
+        kind=vehicle.kind,
+        armed=vehicle.armed,
+        settings=vehicle.settings,
+        field=vehicle.field,
+        speed_source=vehicle.speed_source,
+    )
+
+
+def stream_snapshot(stream: Stream) -> StreamSnapshot:
+    """One message that is asked for."""
+    return StreamSnapshot(stream.name, stream.hz, stream.answer, stream.refused, stream.achieved_hz, stream.ceiling_hz)
+
+
+def refusals(decoder: Decoder) -> tuple[Refusal, ...]:
+    """All sources that were ever refused."""
+    reasons, counts = decoder.refusals, decoder.refused
+    return tuple(Refusal(name, reasons.get(name, ""), counts.get(name, 0)) for name in sorted(reasons | counts))
+
+
+def lane_snapshots(pipeline: Pipeline | None) -> tuple[LaneSnapshot, ...]:
+    """All lanes; none without a pipeline."""
+    if pipeline is None:
+        return ()
+    return tuple(_lane_snapshot(lane, pipeline) for lane in pipeline.lanes.values())
+
+
+def _lane_snapshot(lane: Lane, pipeline: Pipeline) -> LaneSnapshot:
+    estimate = pipeline.estimate
+    return LaneSnapshot(
+        source=lane.source,
+        is_primary=lane.source == pipeline.primary,
+        estimate=estimate if estimate is not None and estimate.lane == lane.source else None,
+        rests_on=lane.rests_on,
+        samples=lane.samples,
+        repeats=lane.repeats,
+        late=lane.late,
+        rejected=lane.rejected,
+        frozen=lane.frozen,
+        gaps=lane.gaps,
+        restarts=lane.restarts,
+    )

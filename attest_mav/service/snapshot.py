@@ -1,0 +1,227 @@
+"""All that a person, a metric or a page may see of the service at one instant: immutable, and complete.
+
+Nobody looks into the service itself. Counters count from the start of the service and never decrease, so that each
+reader makes rates of its own from two snapshots, whatever other readers do.
+"""
+
+from dataclasses import dataclass
+
+from attest_mav.estimation.events import Verdict
+from attest_mav.types import EarthField, Estimate, VehicleKind, VehicleSettings
+
+
+@dataclass(frozen=True)
+class Traffic:
+    """Transport counters of one link; its host keeps them."""
+
+    is_up: bool = False
+    """Whether messages can be sent at all."""
+    streams: int = 0
+    """Byte streams begun: one more with every connection made again."""
+    received_bytes: int = 0
+    """Bytes received."""
+    sent_bytes: int = 0
+    """Bytes sent."""
+    dropped_messages: int = 0
+    """Messages not sent, because the link was down or its buffer full."""
+
+
+NO_TRAFFIC = Traffic()
+"""For a host that counts nothing."""
+
+
+@dataclass(frozen=True)
+class LinkSnapshot:
+    """One link: its MAVLink frames, and its bytes."""
+
+    name: str
+    """The URL, with the port that the system chose."""
+    frames: int
+    """Intact frames received, wanted or not."""
+    bad_bytes: int
+    """Bytes received that belong to no frame."""
+    bad_crc: int
+    """Frames received whose checksum does not fit."""
+    lost_frames: int
+    """Frames missing in the sequence numbers of their senders."""
+    attitudes_sent: int
+    """ATTITUDE_QUATERNION and ATTITUDE_QUATERNION_COV sent."""
+    held_back: bool
+    """Whether ATTITUDE_QUATERNION is held back, because another onboard computer is heard on the link."""
+    traffic: Traffic
+    """Transport counters."""
+
+
+@dataclass(frozen=True)
+class VehicleSnapshot:
+    """The vehicle that was found, and everything that its messages told about it."""
+
+    system: int
+    """MAVLink system id."""
+    component: int
+    """MAVLink component id of the autopilot."""
+    autopilot: int
+    """MAV_AUTOPILOT."""
+    vehicle_type: int
+    """MAV_TYPE."""
+    link: int
+    """Number of the link on which it was found last."""
+    is_present: bool
+    """Whether its heartbeats arrive."""
+    kind: VehicleKind
+    """How it can move."""
+    armed: bool | None
+    """None while it has not told."""
+    settings: VehicleSettings
+    """The autopilot's settings that filters use, as far as they are known."""
+    field: EarthField
+    """The Earth's field at its position."""
+    speed_source: str
+    """The source of the body velocity for the leveling filter."""
+
+
+@dataclass(frozen=True)
+class StreamSnapshot:
+    """One message that the autopilot is asked for."""
+
+    name: str
+    """The message."""
+    hz: float
+    """Rate asked for, Hz."""
+    answer: str
+    """The autopilot's answer in a word or two, "" before there is one."""
+    refused: bool
+    """Whether the autopilot will not send it."""
+    achieved_hz: float
+    """Rate measured over the last window, Hz; 0 before the first one ends."""
+    ceiling_hz: float
+    """The most that the autopilot gives, Hz; 0 where no limit was found."""
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Messages of one source that gave no samples."""
+
+    source: str
+    """The message; with `` magnetometer`` behind it, its magnetometer alone."""
+    reason: str
+    """Why it gives none at present, "" where it gives samples again."""
+    messages: int
+    """Messages refused so far."""
+
+
+@dataclass(frozen=True)
+class LaneSnapshot:
+    """One inertial sensor with its filter. All counts are of samples, unless said otherwise."""
+
+    source: str
+    """The inertial message."""
+    is_primary: bool
+    """Whether this lane is the one published and compared."""
+    estimate: Estimate | None
+    """The newest valid estimate, else None; kept of the primary lane only."""
+    rests_on: str
+    """The aiding that holds the attitude, "" for a filter that always has the same."""
+    samples: int
+    """Taken."""
+    repeats: int
+    """Dropped: same timestamp as the one before."""
+    late: int
+    """Dropped: older than the one before."""
+    rejected: int
+    """Dropped: not finite."""
+    frozen: int
+    """Dropped: the sensor repeats one reading."""
+    gaps: int
+    """Gaps between samples."""
+    restarts: int
+    """Alignments begun again."""
+
+
+@dataclass(frozen=True)
+class VerdictStanding:
+    """The newest verdict, and how long its agreement has stood."""
+
+    verdict: Verdict
+    """Agreement, reason and differences."""
+    since_ns: int
+    """When the agreement became this one, ns of the host's clock."""
+
+
+@dataclass(frozen=True)
+class NoteCounts:
+    """Lines left for the log, by severity."""
+
+    warnings: int
+    """Something worth acting on."""
+    errors: int
+    """Something that prevents all work until someone acts on it."""
+    dropped: int
+    """Lines of any severity that the host did not fetch in time."""
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """The whole service at one instant."""
+
+    now_ns: int
+    """The instant, ns of the host's clock."""
+    state: int
+    """MAV_STATE of the last heartbeat."""
+    vehicle: VehicleSnapshot | None
+    """None before one is found."""
+    ambiguity: str
+    """Why no vehicle is chosen although there are several; "" otherwise."""
+    links: tuple[LinkSnapshot, ...]
+    """In the order of the configuration."""
+    streams: tuple[StreamSnapshot, ...]
+    """The messages asked for."""
+    inertial: str
+    """The inertial message in use or being tried, "" before there is a vehicle."""
+    not_independent: frozenset[str]
+    """Inertial messages whose readings come out of the autopilot's own filter."""
+    refusals: tuple[Refusal, ...]
+    """Messages that gave no samples."""
+    samples: int
+    """Inertial samples taken from the message in use, of all vehicles and lanes so far."""
+    lanes: tuple[LaneSnapshot, ...]
+    """Empty before the first inertial sample."""
+    verdict: VerdictStanding | None
+    """None before the first verdict."""
+    notes: NoteCounts
+    """Lines left for the log."""
+
+    @property
+    def inertial_stream(self) -> StreamSnapshot | None:
+        """The request for the inertial message, None before there is a vehicle."""
+        return next((stream for stream in self.streams if stream.name == self.inertial), None)
+
+    @property
+    def inertial_refusal(self) -> str:
+        """Why the inertial message gives no samples, "" where it does."""
+        return next((one.reason for one in self.refusals if one.source == self.inertial), "")
+
+    @property
+    def published_lane(self) -> LaneSnapshot | None:
+        """The lane with an estimate to publish, None while there is none."""
+        return next((lane for lane in self.lanes if lane.estimate is not None), None)
+
+
+@dataclass(frozen=True)
+class Rates:
+    """Rates between two snapshots, Hz."""
+
+    samples: float
+    """Inertial samples taken."""
+    published: float
+    """Attitudes sent on the link that carries most."""
+
+
+def rates_between(before: Snapshot, now: Snapshot) -> Rates:
+    """The rates from one snapshot to a later one."""
+    span_s = max((now.now_ns - before.now_ns) / 1e9, 1e-9)
+    return Rates((now.samples - before.samples) / span_s, (_attitudes(now) - _attitudes(before)) / span_s)
+
+
+def _attitudes(snapshot: Snapshot) -> int:
+    return max((link.attitudes_sent for link in snapshot.links), default=0)
