@@ -8,7 +8,7 @@ import click
 
 from attest_mav.errors import UsageError
 from attest_mav.runtime.files import atomic_write
-from attest_mav.runtime.stop_signals import ignore_interrupts
+from attest_mav.runtime.signals import ignore_interrupts
 
 if TYPE_CHECKING:
     from attest_mav.evaluation.harness import Outcome, Scenario

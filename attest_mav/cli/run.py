@@ -9,7 +9,7 @@ from attest_mav.config.records import Config
 from attest_mav.errors import UsageError
 from attest_mav.runtime.daemon import Daemon
 from attest_mav.runtime.journal import log_to_stderr
-from attest_mav.runtime.stop_signals import stop_signals
+from attest_mav.runtime.signals import stop_signals
 from attest_mav.types import EarthField
 
 

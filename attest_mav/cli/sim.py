@@ -9,8 +9,8 @@ import click
 from attest_mav.config.link_url import Scheme, parse_link
 from attest_mav.errors import UsageError
 from attest_mav.runtime.links.open import open_link
+from attest_mav.runtime.signals import stop_signals
 from attest_mav.runtime.sim_host import SimHost
-from attest_mav.runtime.stop_signals import stop_signals
 from attest_mav.sim.autopilot import MAX_RATE_HZ, FakeAutopilot
 from attest_mav.sim.personality import PERSONALITIES
 from attest_mav.sim.scenarios import SCENARIOS

@@ -1,0 +1,102 @@
+"""The daemon in this process: the built-in vehicle on one link, and a foreign client on its loop."""
+
+import socket
+
+import pytest
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
+from attest_mav.config.records import parse_config
+from attest_mav.runtime.daemon import Daemon
+from attest_mav.runtime.loop import READ, Handler, Timer, Watch
+from attest_mav.types import EarthField
+
+PERIOD_NS = 5_000_000
+PATIENCE_NS = 20_000_000_000
+CONFIG = "[[link]]\nurl = 'sim:still'\n[[link]]\nurl = 'udpin:127.0.0.1:0'\n[log]\nstatus_s = 0.1\n"
+
+
+class Page(Handler):
+    """A foreign client, as a web page would be: each byte it sends is answered with a number out of a snapshot."""
+
+    def __init__(self, daemon, sock):
+        self.daemon, self.socket = daemon, sock
+
+    @property
+    def watch(self):
+        return Watch(self.socket.fileno(), 0, READ)
+
+    def readable(self, now_ns):
+        self.socket.recv(1)
+        self.socket.send(b"%d\n" % self.daemon.snapshot(now_ns).samples)
+
+
+class Observer:
+    """A timer on the daemon's loop: asks the page, hears the UDP link, and stops after five attitudes."""
+
+    def __init__(self, daemon):
+        self.daemon = daemon
+        self.page, self.browser = socket.socketpair()
+        self.udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.udp.connect(("127.0.0.1", int(daemon.links[1].url.rpartition(":")[2])))
+        self.udp.send(b"\0")
+        for sock in (self.browser, self.udp):
+            sock.setblocking(False)
+        self.ticks, self.answers, self.heard, self.snapshots = [], b"", [], []
+        self._parser = mavlink.MAVLink(None)
+        daemon.loop.add(Page(daemon, self.page))
+        daemon.loop.add(Timer(lambda: self.ticks[-1] + PERIOD_NS if self.ticks else 0, self.tick))
+
+    def tick(self, now_ns):
+        self.ticks.append(now_ns)
+        self.browser.send(b"?")
+        self.answers += self._receive(self.browser)
+        self.listen()
+        self.snapshots.append(self.daemon.snapshot(now_ns))
+        if len(self.of_type("ATTITUDE_QUATERNION")) >= 5 or now_ns - self.ticks[0] > PATIENCE_NS:
+            self.daemon.loop.stop()
+
+    def listen(self):
+        while data := self._receive(self.udp):
+            self.heard += self._parser.parse_buffer(data) or []
+
+    def _receive(self, sock):
+        try:
+            return sock.recv(2000)
+        except BlockingIOError:
+            return b""
+
+    def of_type(self, name):
+        return [one for one in self.heard if one.get_type() == name]
+
+    def close(self):
+        for sock in (self.page, self.browser, self.udp):
+            sock.close()
+
+
+@pytest.fixture
+def observer(monkeypatch):
+    monkeypatch.delenv("NOTIFY_SOCKET", raising=False)
+    observer = Observer(Daemon(parse_config(CONFIG, "test"), lambda *_: (EarthField(0.1, 1.1), "a test")))
+    yield observer
+    observer.close()
+
+
+def test_a_foreign_client_and_a_timer_live_on_the_daemons_loop(observer, caplog):
+    caplog.set_level("INFO", "attest_mav")
+    stop, signal = socket.socketpair()
+    with stop, signal:
+        observer.daemon.run(stop)
+    observer.listen()
+    counts = [int(line) for line in observer.answers.split()]
+    assert counts == sorted(counts)
+    assert counts[-1] > 10
+    assert len(counts) >= 0.9 * len(observer.ticks)
+    last = observer.snapshots[-1]
+    assert last.published_lane is not None
+    assert last.links[1].attitudes_sent >= 5
+    assert last.links[1].traffic.sent_bytes > 5 * 40
+    assert last.links[1].traffic.received_bytes == 1
+    assert last.links[0].traffic.received_bytes > 1000
+    assert observer.of_type("HEARTBEAT")[-1].system_status == mavlink.MAV_STATE_POWEROFF
+    assert "ready: the first estimate is there" in caplog.messages
+    assert any(text.startswith("using RAW_IMU with the filter velocity-aided") for text in caplog.messages)
