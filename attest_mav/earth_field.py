@@ -19,14 +19,14 @@ PLAUSIBLE_YEAR: Final = 2005.0
 
 @dataclass(frozen=True)
 class LocalField:
-    """The field's direction at a place: declination (east positive, it turns magnetic into true headings), inclination.
-
-    inclination_deg: below the horizontal; NaN where only the declination was given. source: where both come from.
-    """
+    """The direction of the field at a place."""
 
     declination_deg: float
+    """Magnetic north east of true north, degrees."""
     inclination_deg: float
+    """Below the horizontal, degrees; NaN where only the declination was given."""
     source: str
+    """The model, with place and date."""
 
     @property
     def direction(self) -> EarthField:

@@ -22,9 +22,9 @@ COMMANDS: Final = {
 
 READER_LEFT: Final = 141
 INTERRUPTED: Final = 130
-"""What a shell gives for a process that SIGPIPE or SIGINT has ended: the reader of a pipe left, or Ctrl-C."""
+"""A shell's exit codes for SIGPIPE and SIGINT: the reader of a pipe left, or Ctrl-C."""
 FULL: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
-"""What only standard output can still run into here: files and links turn their errors into words themselves."""
+"""Errors that come only from standard output here: files and links raise errors of their own."""
 
 
 class LazyGroup(click.Group):
@@ -116,6 +116,6 @@ def run(arguments: list[str]) -> int:
 
 
 def report(error: AttestMavError) -> int:
-    """Say what is wrong in one line; the exit code."""
+    """Print the error in one line; the exit code."""
     click.echo(f"attest-mav: error: {error}", err=True)
     return error.exit_code

@@ -1,6 +1,6 @@
 """The parameters of each filter as they are configured: one record a filter, checked, with the filter's own defaults.
 
-Where a parameter may be infinite, its range has no upper end. The meaning of each is said beside it in
+Where a parameter may be infinite, its range has no upper end. The meaning of each stands beside it in
 configs/attest-mav.toml and, with its equation, in the filter's own docstring.
 """
 
@@ -101,9 +101,9 @@ class LevelingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
 
 
 class VelocityAidedConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """What ``VelocityAided`` must know of the vehicle; its noises fit every vehicle and rate (``FlightParameters``).
+    """Parameters of ``VelocityAided`` that depend on the vehicle; all others are fixed (``FlightParameters``).
 
-    ``auto`` is what the autopilot tells, and the filter's default until it does; a number is never overruled.
+    ``auto``: the autopilot's own setting, and the filter's default until that is known. A number always holds.
     """
 
     low_pass_hz: Literal["auto"] | Annotated[float, Meta(ge=0.0, le=1000.0)] = "auto"  # noqa: S105  # no password
@@ -126,7 +126,7 @@ class VelocityAidedConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=Tru
 class FilterConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The filter that is published, and the parameters of each: one table a filter, named like it.
 
-    auto is velocity-aided: it finds something else to rest on where there is no velocity.
+    auto is velocity-aided, which falls back to airspeed, gravity or zero motion when no velocity is available.
     """
 
     name: Literal["auto", "gradient-descent", "robust-adaptive", "leveling", "velocity-aided"] = "auto"

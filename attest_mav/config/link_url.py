@@ -1,7 +1,7 @@
 """Where a link leads, as users write it: ``serial:``, ``udpin:``, ``udpout:``, ``tcp:``, ``tcpin:`` and ``sim:``.
 
 pymavlink's spellings are understood too: ``udp:`` is ``udpin:``, and a bare device such as ``/dev/ttyACM0`` or
-``/dev/ttyACM0,115200`` is a serial port. No I/O: ``attest_mav.runtime.links.open`` opens what this describes.
+``/dev/ttyACM0,115200`` is a serial port. No I/O: ``attest_mav.runtime.links.open`` opens links.
 """
 
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from enum import StrEnum
 from attest_mav.errors import UsageError
 
 LOOPBACK = "127.0.0.1"
-"""What a listener binds when no address is given: never a network that nobody asked for."""
+"""Address of a listener when none is given: no network is reachable unless the user names one."""
 
 DEFAULT_BAUD = 115200
 """pymavlink's default; USB ports ignore it."""
@@ -38,14 +38,20 @@ _SCHEMES = {scheme.value: scheme for scheme in Scheme} | {"udp": Scheme.UDPIN}
 
 @dataclass(frozen=True)
 class LinkUrl:
-    """A link URL taken apart. ``device`` and ``baud`` are for serial, ``scenario`` for sim, the rest for networks."""
+    """A link URL taken apart."""
 
     scheme: Scheme
+    """The kind of link."""
     host: str = ""
+    """Networks: name or address."""
     port: int = 0
+    """Networks: port; 0 lets the system choose one for a listener."""
     device: str = ""
+    """Serial: path of the device."""
     baud: int = DEFAULT_BAUD
+    """Serial: baud rate."""
     scenario: str = ""
+    """Simulation: the scenario, "" for the default one."""
 
     def __str__(self) -> str:
         """The URL in its plain form."""
@@ -58,7 +64,7 @@ class LinkUrl:
 
 
 def parse_link(text: str) -> LinkUrl:
-    """Take a link URL apart; UsageError says what is wrong with it."""
+    """Take a link URL apart; UsageError names the part that is wrong."""
     if len(text) > MAX_URL_LENGTH or not text.isprintable():
         raise UsageError(f"link URL of {len(text)} characters: expected at most {MAX_URL_LENGTH}, all printable")
     if text.startswith("/"):

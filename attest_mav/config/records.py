@@ -1,7 +1,8 @@
 """The configuration: TOML text in, frozen and checked records out. Every error names the file and the key.
 
-The records are the reference: each field's name carries its unit, its type carries its range, and its default is
-the default. configs/attest-mav.toml says what each key means, and a test keeps the two alike. No file is read here.
+The records are inert: they hold the words and numbers of a user, in a user's units. ``attest_mav.service.assembly``
+makes settings of them. They are the reference: a field's name carries its unit, its type the range, and its default is
+the default. configs/attest-mav.toml explains each key at length, and a test keeps the two alike.
 """
 
 import tomllib
@@ -33,87 +34,112 @@ TAKEN_SYSTEMS = {255: "ground stations"}
 
 
 class _Record(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """What all records share: frozen, keyword-only, no unknown keys."""
+    """Base of all records: frozen, keyword-only, no unknown keys."""
 
 
 class VehicleConfig(_Record, frozen=True):
-    """Which vehicle: 0 takes the only one that is heard."""
+    """The vehicle to listen to."""
 
     system_id: SystemId = 0
+    """Its MAVLink system id; 0 takes the only one that is heard."""
 
 
 class OutputConfig(_Record, frozen=True):
-    """Under which ids we speak (system 0: the vehicle's), and how often the attitude is sent."""
+    """Our ids, and the rate of the attitude."""
 
     system_id: SystemId = 0
+    """Our MAVLink system id; 0 takes the vehicle's."""
     component_id: ComponentId = 193
+    """Our MAVLink component id."""
     rate_hz: RateHz = 20.0
+    """Rate of ATTITUDE_QUATERNION, Hz."""
 
 
 class LinkConfig(_Record, frozen=True):
-    """One link, and what is sent on it."""
+    """One link, and its outputs."""
 
     url: str
+    """See ``parse_link``."""
     publish: tuple[Output, ...] = ("attitude_quaternion",)
+    """The outputs on this link."""
     yield_to_onboard: bool = True
+    """Hold ATTITUDE_QUATERNION back while another onboard computer of the vehicle is heard on the link."""
     wait: bool = True
+    """Wait for a device or a server that is not there at the start, instead of ending with exit code 69."""
 
 
 class StreamsConfig(_Record, frozen=True):
-    """What the autopilot is asked to send. ``imu_messages``: in order of preference; empty goes by the autopilot."""
+    """The messages that the autopilot is asked to send."""
 
     request: bool = True
+    """Ask for messages at all."""
     restore: bool = False
+    """Set the rates back to the autopilot's defaults at the end."""
     imu_messages: tuple[ImuMessage, ...] = ()
+    """Inertial messages in order of preference; empty takes the order that suits the autopilot."""
     imu_hz: RateHz = 50.0
+    """Rate of the inertial message, Hz."""
     attitude_hz: RateHz = 10.0
+    """Rate of the autopilot's attitude, Hz."""
     aiding_hz: RateHz = 5.0
+    """Rate of the messages that aid the filters, Hz."""
 
 
 class RawImuConfig(_Record, frozen=True):
-    """What one count of RAW_IMU means on an autopilot that sends true raw values; zeros refuse them."""
+    """The meaning of one count of RAW_IMU on an autopilot that sends raw values; zeros refuse them."""
 
     accel_mps2: Scale = 0.0
+    """m/s^2 a count."""
     gyro_radps: Scale = 0.0
+    """rad/s a count."""
     mag_gauss: Scale = 0.0
+    """gauss a count; 0: the magnetometer is not used."""
 
 
 class AidingConfig(_Record, frozen=True):
-    """Where filters that need them take the forward speed and the velocity from."""
+    """The sources of the velocities that aid filters."""
 
     forward_speed: SpeedSource = "auto"
+    """Source of the body velocity for the leveling filter."""
     velocity: VelocitySource = "GPS_RAW_INT"
+    """Source of the velocity for the flight filter."""
 
 
 class EstimateConfig(_Record, frozen=True):
-    """When an estimate is too old, and what north is. ``declination_deg``: east positive, or from the position."""
+    """Age limit of an estimate, and the north of its heading."""
 
     stale_s: Annotated[float, Meta(ge=0.05, le=60.0)] = 0.5
+    """Age above which an estimate is not published, s."""
     declination_deg: Literal["auto"] | Annotated[float, Meta(ge=-180.0, le=180.0)] = "auto"
+    """Magnetic declination, degrees, east positive; auto looks it up at the vehicle's position."""
 
 
 class VerdictConfig(_Record, frozen=True):
-    """When the autopilot's attitude counts as wrong; the heading's threshold is twice the tilt's.
-
-    ``tilt_deg``: auto goes by what our own attitude rests on, see ``VerdictSettings``.
-    """
+    """When the autopilot's attitude counts as wrong; the heading's threshold is twice the tilt's."""
 
     tilt_deg: Literal["auto"] | Annotated[float, Meta(gt=0.0, le=90.0)] = "auto"
+    """Threshold of the tilt, degrees; auto goes by the filter, see ``VerdictSettings``."""
     hold_s: Annotated[float, Meta(ge=0.0, le=60.0)] = 0.6
+    """Time that a difference must last, s."""
     release: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.9
+    """Share of the limits below which a difference is over while the verdict is bad."""
     max_sigma_deg: Annotated[float, Meta(gt=0.0, le=90.0)] = 5.0
+    """Tilt sigma of our own above which there is no verdict, degrees."""
     stale_s: Seconds = 1.0
+    """Age above which an attitude of the autopilot is not compared, s."""
 
 
 class LogConfig(_Record, frozen=True):
-    """What goes to stderr, and how often the status line does."""
+    """The lines on stderr."""
 
     level: Literal["debug", "info", "warning", "error"] = "info"
+    """The least severe level that is written."""
     status_s: Seconds = 10.0
+    """Period of the status line, s."""
 
 
 class Config(_Record, frozen=True):
-    """Everything that can be configured."""
+    """The whole configuration: a table of the file for each field."""
 
     vehicle: VehicleConfig = VehicleConfig()
     output: OutputConfig = OutputConfig()
@@ -127,12 +153,12 @@ class Config(_Record, frozen=True):
     log: LogConfig = LogConfig()
 
     def with_links(self, urls: tuple[str, ...]) -> Self:
-        """The same with other links, each with the default outputs: what ``--link`` means."""
+        """The same with other links, each with the default outputs, for ``--link``."""
         return msgspec.structs.replace(self, link=tuple(LinkConfig(url=url) for url in urls))
 
 
 def parse_config(text: str, name: str) -> Config:
-    """Check the TOML ``text`` of the file ``name``; ConfigError says in one line what is wrong with which key."""
+    """Check the TOML ``text`` of the file ``name``; ConfigError names the key and the error in one line."""
     try:
         config = _read(text, name)
     except RecursionError:

@@ -11,7 +11,7 @@ import msgspec
 
 
 def check_keys(data: dict[str, Any], record: type[msgspec.Struct], where: str) -> None:
-    """ValueError for a key that the record does not have, with what may be meant. ``where``: the path so far."""
+    """ValueError for a key that the record does not have, with the nearest one. ``where``: the path so far."""
     fields = _fields(record)
     for key, value in data.items():
         if key not in fields:

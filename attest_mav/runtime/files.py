@@ -89,7 +89,7 @@ def _temporary_beside(target: Path) -> tuple[int, str]:
 
 
 class _Blamed(BufferedWriter):
-    """A file for writing whose errors name it. When its block fails, what is still buffered is dropped."""
+    """A file for writing whose errors name it. When its block fails, the bytes still buffered are dropped."""
 
     def __init__(self, raw: FileIO, target: Path) -> None:
         super().__init__(raw)
@@ -126,7 +126,7 @@ def _blaming(target: Path) -> Iterator[None]:
 
 
 def give_up_stdout() -> None:
-    """Send what standard output still holds nowhere: Python would try again at the end, and complain."""
+    """Discard the bytes that standard output still holds: Python would write them at the end, and complain."""
     with suppress(OSError, ValueError, AttributeError):  # closed already, or no real file
         sink = os.open(os.devnull, os.O_WRONLY)
         os.dup2(sink, sys.stdout.fileno())
@@ -134,7 +134,7 @@ def give_up_stdout() -> None:
 
 
 def _mode_of_new_files() -> int:
-    """What the user's umask allows; a temporary file is private otherwise. Reading the mask means setting it."""
+    """The permissions that the user's umask allows. The mask can only be read by setting it."""
     mask = os.umask(0o077)
     os.umask(mask)
     return 0o666 & ~mask

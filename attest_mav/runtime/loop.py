@@ -18,7 +18,7 @@ LONGEST_WAIT_S: Final = 3600.0
 
 
 class Watch(NamedTuple):
-    """What the selector is to watch for a handler."""
+    """A descriptor that the selector is to watch for a handler."""
 
     fd: int
     """The file descriptor."""

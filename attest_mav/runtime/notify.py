@@ -1,4 +1,4 @@
-"""sd_notify(3) in a few lines: tells systemd that we are ready, alive, what we do, and that we stop."""
+"""sd_notify(3): reports to systemd that the daemon is ready, alive or stopping, with one line of status."""
 
 import logging
 import os
@@ -11,7 +11,7 @@ log = logging.getLogger("attest_mav.notify")
 class Notifier:
     """Sends to the socket named in NOTIFY_SOCKET; does nothing where there is none.
 
-    watchdog_ns: how often WATCHDOG=1 is to be sent, half of what systemd waits; None where it watches nobody.
+    watchdog_ns: period of WATCHDOG=1, ns, half of systemd's limit; None where systemd sets no limit.
     """
 
     def __init__(self, environment: Mapping[str, str]) -> None:
@@ -25,11 +25,11 @@ class Notifier:
         self.watchdog_ns = _watchdog_ns(environment)
 
     def ready(self) -> None:
-        """The first valid estimate is there."""
+        """READY=1: the first valid estimate is there."""
         self._send("READY=1")
 
     def alive(self) -> None:
-        """Estimates are fresh."""
+        """WATCHDOG=1: estimates are fresh."""
         self._send("WATCHDOG=1")
 
     def status(self, text: str) -> None:
@@ -37,11 +37,11 @@ class Notifier:
         self._send("STATUS=" + text.replace("\n", " "))
 
     def stopping(self) -> None:
-        """We are about to end."""
+        """STOPPING=1: the daemon is about to end."""
         self._send("STOPPING=1")
 
     def close(self) -> None:
-        """Nothing is sent after that."""
+        """Close the socket; nothing is sent afterwards."""
         if self._socket is not None:
             self._socket.close()
         self._socket = None

@@ -11,7 +11,7 @@ FieldFinder = Callable[[float, float, float], tuple[EarthField, str]]
 """From latitude, longitude (degrees) and altitude (m) to the Earth's field and the name of the model."""
 
 FAR_DEG: Final = 0.5
-"""The field is looked up again after so many degrees of latitude or longitude: it hardly changes sooner."""
+"""Change of latitude or longitude after which the field is looked up again, degrees; nearer, it is nearly the same."""
 
 
 class FieldLookup:

@@ -26,7 +26,7 @@ def link_snapshot(framer: Framer, port: Port, traffic: Traffic) -> LinkSnapshot:
 
 
 def vehicle_snapshot(lock_on: LockOn, vehicle: Vehicle) -> VehicleSnapshot | None:
-    """The vehicle, None before one is found. ``vehicle``: everything that its messages told."""
+    """The vehicle, None before one is found. ``vehicle``: the contents of its messages."""
     found = lock_on.vehicle
     if found is None:
         return None

@@ -177,7 +177,7 @@ class Service:
         self._companion.tell_verdict(nan, nan, nan)
 
     def _begin_pipeline(self, source: str) -> None:
-        """Run the filter on another inertial message; what is known of the vehicle goes on."""
+        """Run the filter on another inertial message; the record of the vehicle goes on."""
         attitude_filter = self._settings.attitude_filter
         self._pipeline = Pipeline(self._settings.pipeline, attitude_filter, [source], self._vehicle)
         note = self._decoder.notes.get(source, "")

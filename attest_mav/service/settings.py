@@ -1,4 +1,4 @@
-"""All that the daemon's work is told at its start."""
+"""The settings of the service: one record for each of its parts."""
 
 from dataclasses import dataclass
 

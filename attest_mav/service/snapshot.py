@@ -54,7 +54,7 @@ class LinkSnapshot:
 
 @dataclass(frozen=True)
 class VehicleSnapshot:
-    """The vehicle that was found, and everything that its messages told about it."""
+    """The vehicle that was found, and the contents of its messages."""
 
     system: int
     """MAVLink system id."""
@@ -71,7 +71,7 @@ class VehicleSnapshot:
     kind: VehicleKind
     """How it can move."""
     armed: bool | None
-    """None while it has not told."""
+    """None before its first heartbeat."""
     settings: VehicleSettings
     """The autopilot's settings that filters use, as far as they are known."""
     field: EarthField

@@ -24,10 +24,10 @@ from attest_mav.errors import LinkError
 log = logging.getLogger("attest_mav.link")
 
 READ_BYTES = 65536
-"""The most that one ``receive`` returns: a whole datagram, or what a stream has gathered."""
+"""Largest read, bytes: no datagram is larger."""
 
 BUFFER_BYTES = 8192
-"""What a stream may owe, bytes: about 0.1 s of all we send on a 921600 baud port. Older attitudes help nobody."""
+"""Bound of the output buffer of a stream, bytes: 0.1 s at 921600 baud. Older attitudes are of no use."""
 
 FIRST_RETRY_NS = 250_000_000
 LONGEST_RETRY_NS = 4_000_000_000
@@ -37,14 +37,19 @@ Address = tuple[str, int] | tuple[str, int, int, int]
 
 
 class Link(ABC):
-    """What all links have. Counters: bytes received and sent, messages dropped, streams begun (``epoch``)."""
+    """The interface of all links."""
 
     def __init__(self, url: str) -> None:
         self.url = url
+        """The URL, with the port that the system chose."""
         self.epoch = 0
+        """Byte streams begun; a datagram socket is one stream."""
         self.received_bytes = 0
+        """Bytes received."""
         self.sent_bytes = 0
+        """Bytes handed to the system."""
         self.dropped_messages = 0
+        """Messages not sent, because the link was down or its buffer full."""
 
     @property
     @abstractmethod
@@ -68,7 +73,7 @@ class Link(ABC):
 
     @abstractmethod
     def receive(self, now_ns: int) -> bytes:
-        """What has arrived, at most one read; empty when nothing has. Also opens again what was lost."""
+        """The bytes of at most one read, empty when none have arrived. Also opens a lost link again when it is due."""
 
     @abstractmethod
     def send(self, message: bytes, now_ns: int) -> None:
@@ -76,11 +81,11 @@ class Link(ABC):
 
     @abstractmethod
     def flush(self, now_ns: int) -> None:
-        """Send on what is waiting; to be called when the descriptor is writable."""
+        """Send buffered bytes; to be called when the descriptor is writable."""
 
     @abstractmethod
     def close(self) -> None:
-        """Close; nothing is sent after that."""
+        """Close the link; nothing is sent afterwards."""
 
 
 class Backoff:

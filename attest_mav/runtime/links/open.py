@@ -30,7 +30,7 @@ def open_links(configs: Sequence[LinkConfig], dialect: Dialect, now_ns: int) -> 
 
 
 def open_link(url: LinkUrl, now_ns: int, *, wait: bool = True) -> Link:
-    """Open one link; LinkError (exit code 69) says in one line what to do.
+    """Open one link; LinkError (exit code 69) names the remedy in one line.
 
     A port that is taken, or that may not be opened, is an error at once. A serial device that is not there yet, or a
     TCP server that does not answer, is waited for unless ``wait`` is False. ``sim:`` needs a vehicle inside the

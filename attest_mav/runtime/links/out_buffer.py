@@ -1,4 +1,4 @@
-"""What serial ports and TCP connections share: a byte stream with a bounded buffer of what is still to be sent."""
+"""The bounded output buffer of byte streams: serial ports and TCP connections."""
 
 from collections.abc import Callable
 

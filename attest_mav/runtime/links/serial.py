@@ -13,7 +13,7 @@ from attest_mav.runtime.links.base import Backoff, Link, log
 from attest_mav.runtime.links.out_buffer import OutBuffer
 
 SERIAL_READ_BYTES = 4096
-"""What the kernel keeps of a terminal: more is never there at once."""
+"""Largest read, bytes: the kernel buffers no more of a terminal."""
 
 
 class SerialLink(Link):
@@ -141,7 +141,7 @@ def _tell_silence_from_end(fd: int) -> None:
 
 
 def _advice(error: OSError) -> str:
-    """What is wrong with the device and what to do."""
+    """The reason why a device cannot be opened, and the remedy."""
     advice = {
         errno.ENOENT: "it does not exist; plug it in, or look for its name in /dev/serial/by-id",
         errno.EACCES: "permission denied; add the user to the group of the device (usually dialout)",

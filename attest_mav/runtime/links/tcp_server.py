@@ -11,7 +11,7 @@ from attest_mav.runtime.links.out_buffer import OutBuffer
 class TcpServerLink(Link):
     """A listener with one peer. A new connection replaces the old one: a vehicle that lost its own comes back.
 
-    Listener and peer hang on one epoll descriptor, which is what the loop watches.
+    Listener and peer hang on one epoll descriptor, and the loop watches that one.
     """
 
     def __init__(self, url: LinkUrl) -> None:

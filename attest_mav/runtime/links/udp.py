@@ -18,7 +18,7 @@ RECEIVE_BUFFER_BYTES = 1 << 20
 
 
 class _UdpLink(Link):
-    """What both directions share: one non-blocking socket, a datagram at a time."""
+    """Base of both directions: one non-blocking socket, read one datagram at a time."""
 
     def __init__(self, url: str, sock: socket.socket) -> None:
         super().__init__(url)
