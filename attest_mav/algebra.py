@@ -47,6 +47,11 @@ def unit(a: Vec3) -> Vec3:
     return scale(a, 1.0 / norm(a))
 
 
+def unit_axis(axis: int) -> Vec3:
+    """The unit vector along axis 0, 1 or 2."""
+    return (1.0 if axis == 0 else 0.0, 1.0 if axis == 1 else 0.0, 1.0 if axis == 2 else 0.0)
+
+
 def is_finite(a: Vec3) -> bool:
     """True when no component is NaN or infinite."""
     return isfinite(a[0] + a[1] + a[2])

@@ -42,9 +42,9 @@ def imu_samples(motion: Motion, field_ned: Vec3, errors: SensorErrors, rng: np.r
 def run_filter(chosen: AttitudeFilter, start: Quat, samples: Sequence[ImuSample], dt_s: float) -> Array:
     """Attitudes after each sample, shape (n, 4), from a known start without bias correction."""
     state = chosen.initial(Start(start, NO_ERROR, North.TRUE, samples[0].accel, samples[0].mag))
-    aids = FilterInputs()
+    inputs = FilterInputs()
     attitudes = []
     for sample in samples:
-        state = chosen.step(state, dt_s, sample, aids)
+        state = chosen.step(state, dt_s, sample, inputs)
         attitudes.append(state.q_nb)
     return np.array(attitudes)

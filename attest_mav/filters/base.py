@@ -183,7 +183,7 @@ class AttitudeFilter:
         """The state right after alignment."""
 
     @abstractmethod
-    def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: FilterInputs) -> FilterState:
+    def step(self, state: FilterState, dt_s: float, sample: ImuSample, inputs: FilterInputs) -> FilterState:
         """The state ``dt_s`` seconds later, 0 < dt_s <= 1, given the sample taken then.
 
         Never raises on bad readings: a sensor that is missing, not finite or out of its gate is not used, and the

@@ -83,8 +83,8 @@ def test_a_lane_that_is_made_later_knows_it_too(imu):
 
 
 def test_a_number_of_the_users_holds_against_the_autopilot(imu):
-    fixed = pipeline(VelocityAided(FlightParameters(low_pass_hz=20.0), low_pass_open=False))
-    assert isnan(VelocityAided(low_pass_open=False).default_settings.low_pass_hz)
+    fixed = pipeline(VelocityAided(FlightParameters(low_pass_hz=20.0), low_pass_from_vehicle=False))
+    assert isnan(VelocityAided(low_pass_from_vehicle=False).default_settings.low_pass_hz)
     untold = pipeline()
     fixed.handle(low_pass(10.0))
     for one in (fixed, untold):

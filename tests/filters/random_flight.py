@@ -48,12 +48,12 @@ def attitudes(name, seed):
         sample = ImuSample(
             "RANDOM", 1, 1, t_ns, t_ns, rate, force, field if rng.random() < 0.9 else None, rng.random() < 0.01
         )
-        state = chosen.step(state, dt_s, sample, _aids(rng, speed, fix))
+        state = chosen.step(state, dt_s, sample, _inputs(rng, speed, fix))
         if k % EVERY == 0:
             yield [*state.q_nb, state.tilt_sigma, state.heading_sigma]
 
 
-def _aids(rng, speed, fix):
+def _inputs(rng, speed, fix):
     heading = rng.gauss(0.0, 1.0) if rng.random() < 0.01 else None
     speed = math.nan if rng.random() < 0.1 else speed
     return FilterInputs(

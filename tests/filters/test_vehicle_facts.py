@@ -41,9 +41,9 @@ def test_the_flight_filter_takes_what_is_known():
 
 
 def test_what_the_user_fixed_is_not_overruled():
-    fixed = VelocityAided(FlightParameters(low_pass_hz=80.0), low_pass_open=False)
+    fixed = VelocityAided(FlightParameters(low_pass_hz=80.0), low_pass_from_vehicle=False)
     assert isnan(fixed.default_settings.low_pass_hz)
     told = fixed.with_vehicle_settings(FACTS).parameters
     assert (told.low_pass_hz, told.fix_delay_s) == (80.0, 0.25)
-    both = VelocityAided(FlightParameters(fix_delay_s=0.03), low_pass_open=False, fix_delay_open=False)
+    both = VelocityAided(FlightParameters(fix_delay_s=0.03), low_pass_from_vehicle=False, fix_delay_from_vehicle=False)
     assert both.with_vehicle_settings(FACTS) == both

@@ -59,7 +59,7 @@ def test_neither_a_fixed_parameter_nor_a_filter_that_has_none_needs_a_note(log):
     log.heartbeat()
     log.still_flight(1.0)
     tell(log, b"INS_GYRO_FILTER", 42.0)
-    fixed = VelocityAided(FlightParameters(), low_pass_open=False)
+    fixed = VelocityAided(FlightParameters(), low_pass_from_vehicle=False)
     assert report(log, fixed, GradientDescent())[1] == []
 
 

@@ -52,13 +52,13 @@ def attitudes(chosen: AttitudeFilter, trial: Trial, with_mag: bool) -> Array:
     """Attitude after each sample, sensor to ENU, shape (n, 4); before a filter is aligned, what it shows."""
     samples = imu_samples(trial, with_mag)
     state = chosen.initial(start(trial, with_mag))
-    aids = FilterInputs(declination=0.0)
+    inputs = FilterInputs(declination=0.0)
     dt_s = 1.0 / trial.rate_hz
     rows = np.empty((len(trial.gyr), 4))
     rows[0] = state.q_nb
     next(samples)  # the start is its attitude
     for number, sample in enumerate(samples, 1):
-        state = chosen.step(state, dt_s, sample, aids)
+        state = chosen.step(state, dt_s, sample, inputs)
         rows[number] = state.q_nb
     return to_enu(rows)
 

@@ -10,7 +10,7 @@ from attest_mav.evaluation.motion import Array
 from attest_mav.evaluation.papers.rotation_stand import PRINTED
 from attest_mav.filters.base import FilterInputs, Start
 from attest_mav.filters.robust_adaptive.filter import RobustAdaptive
-from attest_mav.filters.robust_adaptive.model import measurement_rows
+from attest_mav.filters.robust_adaptive.model import measurement_jacobian
 from attest_mav.matrices4 import Mat4
 from attest_mav.types import ImuSample, North, Quat
 
@@ -26,11 +26,11 @@ def gain_gap(rng: np.random.Generator) -> float:
     z = rng.standard_normal(4)
     inflation = rng.uniform(1.0, 5.0, 4)
     alpha = rng.uniform(0.2, 1.0)
-    h = np.array(measurement_rows(q, vertical=True))
+    h = np.array(measurement_jacobian(q, vertical=True))
     weight = np.diag(1.0 / (inflation * [0.1, 0.1, 0.1, 0.3]))
     by_information = np.linalg.solve(h.T @ weight @ h + alpha * np.linalg.inv(p), h.T @ weight @ z)
     chosen = RobustAdaptive(r_accel=0.1, r_heading=0.3)
-    by_rows, _ = chosen.correction(_mat4(p / alpha), measurement_rows(q, vertical=True), _quat(z), _quat(inflation))
+    by_rows, _ = chosen.correction(_mat4(p / alpha), measurement_jacobian(q, vertical=True), _quat(z), _quat(inflation))
     return float(np.abs(np.array(by_rows) - by_information).max())
 
 
@@ -40,7 +40,7 @@ def jacobian_gap(rng: np.random.Generator) -> float:
     while abs(q_to_euler(q)[1]) > 1.3:
         q = random_quat(rng)
     numeric = np.column_stack([_difference(q, axis) for axis in range(4)])
-    gap = float(np.abs(np.array(measurement_rows(q, vertical=False)) - numeric).max())
+    gap = float(np.abs(np.array(measurement_jacobian(q, vertical=False)) - numeric).max())
     return max(gap, *(_vertical_row_gap(q, axis) for axis in range(3)))
 
 
@@ -61,7 +61,7 @@ def _vertical_row_gap(q: Quat, axis: int) -> float:
     """How far the vertical heading row is from 1 a radian of turn about the vertical, and 0 about north and east."""
     turn = [0.0, 0.0, 0.0, 0.0]
     turn[axis + 1] = 0.5
-    row = np.array(measurement_rows(q, vertical=True)[3])
+    row = np.array(measurement_jacobian(q, vertical=True)[3])
     return float(abs(row @ q_mul(_quat(turn), q) - (1.0 if axis == 2 else 0.0)))
 
 

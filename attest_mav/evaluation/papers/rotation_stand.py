@@ -107,7 +107,7 @@ class StandRun:
 
     start: Start
     samples: list[ImuSample]
-    aids: list[FilterInputs]
+    inputs: list[FilterInputs]
     truth: Array
 
 
@@ -125,7 +125,7 @@ def stand_run(setting: Setting, rng: np.random.Generator) -> StandRun:
     return StandRun(
         start=Start(wrong_start, NO_ERROR, North.TRUE, (0.0, 0.0, -G_MPS2), None),
         samples=samples_of(gyro, accel, mag if setting.magnetic else None, true_motion.dt_s),
-        aids=[FilterInputs(heading=None if setting.magnetic else psi) for psi in heading.tolist()],
+        inputs=[FilterInputs(heading=None if setting.magnetic else psi) for psi in heading.tolist()],
         truth=angles,
     )
 
@@ -152,8 +152,8 @@ def angle_errors(chosen: RobustAdaptive, run: StandRun) -> Array:
     """Estimated minus true roll, pitch and yaw at each sample, degrees, shape (n, 3)."""
     state = chosen.initial(run.start)
     estimate = []
-    for sample, aids in zip(run.samples, run.aids, strict=True):
-        state = chosen.step(state, 1.0 / RATE_HZ, sample, aids)
+    for sample, inputs in zip(run.samples, run.inputs, strict=True):
+        state = chosen.step(state, 1.0 / RATE_HZ, sample, inputs)
         estimate.append(q_to_euler(state.q_nb))
     difference = np.array(estimate) - run.truth
     return np.degrees((difference + np.pi) % (2.0 * np.pi) - np.pi)

@@ -86,7 +86,7 @@ class Voyage:
     start: Start
     dt_s: float
     samples: list[ImuSample]
-    aids: list[FilterInputs]
+    inputs: list[FilterInputs]
     truth: Array
 
 
@@ -108,7 +108,7 @@ def voyage(setting: Setting, rng: np.random.Generator) -> Voyage:
         start=Start(_wrong_start(setting, rng), (0.0, 0.0, 0.0), North.TRUE, (0.0, 0.0, -GRAVITY), None),
         dt_s=dt_s,
         samples=samples_of(gyro, force, mag, dt_s),
-        aids=[
+        inputs=[
             FilterInputs(
                 body_velocity=BodyVelocity(speed, is_new=k % setting.speed_every == 0),
                 stationary=setting.stationary,
@@ -152,8 +152,8 @@ def states(chosen: Leveling, run: Voyage) -> list[LevelingState]:
     """The filter's state after each sample."""
     state = chosen.initial(run.start)
     after = []
-    for sample, aids in zip(run.samples, run.aids, strict=True):
-        state = chosen.step(state, run.dt_s, sample, aids)
+    for sample, inputs in zip(run.samples, run.inputs, strict=True):
+        state = chosen.step(state, run.dt_s, sample, inputs)
         after.append(state)
     return after
 

@@ -16,7 +16,7 @@ SMOOTHING_S: Final = 0.05
 """Time constant of what is compared."""
 STRENGTH_GATE: Final = 0.1
 """Largest distance from the reference, as a share of it."""
-DIP_GATE: Final = radians(10.0)
+INCLINATION_GATE: Final = radians(10.0)
 """The same for the dip, rad."""
 LEARNING_S: Final = 20.0
 """Time constant with which the reference follows a field that is believed."""
@@ -27,7 +27,7 @@ MAX_FIELD: Final = 1e9
 
 
 @mypyc_attr(acyclic=True)
-class FieldGate:
+class FieldMonitor:
     """What is known after a reading.
 
     strength, dip: of the field lately, in the unit of the readings and rad below the horizontal. usual_strength,
@@ -38,43 +38,57 @@ class FieldGate:
     def __init__(
         self,
         strength: float,
-        dip: float,
+        inclination: float,
         usual_strength: float,
-        usual_dip: float,
+        usual_inclination: float,
         rejected_s: float,
-        believed: bool,
+        is_earths_field: bool,
     ) -> None:
         self.strength: Final = strength
-        self.dip: Final = dip
+        self.inclination: Final = inclination
         self.usual_strength: Final = usual_strength
-        self.usual_dip: Final = usual_dip
+        self.usual_inclination: Final = usual_inclination
         self.rejected_s: Final = rejected_s
-        self.believed: Final = believed
+        self.is_earths_field: Final = is_earths_field
 
 
-def unseen() -> FieldGate:
+def initial_monitor() -> FieldMonitor:
     """Before the first reading."""
-    return FieldGate(0.0, 0.0, 0.0, 0.0, 0.0, False)
+    return FieldMonitor(0.0, 0.0, 0.0, 0.0, 0.0, False)
 
 
-def gated(before: FieldGate, q: Quat, mag: Vec3 | None, dt_s: float) -> FieldGate:
+def monitored(before: FieldMonitor, q: Quat, mag: Vec3 | None, dt_s: float) -> FieldMonitor:
     """After one more reading at this attitude (its heading does not matter); without one nothing is learned."""
     length = 0.0 if mag is None else norm(mag)
     if mag is None or not 0.0 < length < MAX_FIELD:
-        return FieldGate(before.strength, before.dip, before.usual_strength, before.usual_dip, before.rejected_s, False)
-    dip_now = asin(clamp(dot(down_in_body(q), mag) / length, -1.0, 1.0))
+        return FieldMonitor(
+            before.strength,
+            before.inclination,
+            before.usual_strength,
+            before.usual_inclination,
+            before.rejected_s,
+            False,
+        )
+    inclination_now = asin(clamp(dot(down_in_body(q), mag) / length, -1.0, 1.0))
     if before.usual_strength == 0.0:
-        return FieldGate(length, dip_now, length, dip_now, 0.0, True)
+        return FieldMonitor(length, inclination_now, length, inclination_now, 0.0, True)
     share = 1.0 - exp(-dt_s / SMOOTHING_S)
     strength = before.strength + share * (length - before.strength)
-    dip = before.dip + share * (dip_now - before.dip)
-    off_strength, off_dip = strength - before.usual_strength, dip - before.usual_dip
-    if abs(off_strength) < STRENGTH_GATE * before.usual_strength and abs(off_dip) < DIP_GATE:
-        learned = 1.0 - exp(-dt_s / LEARNING_S)
-        usual_strength = before.usual_strength + learned * off_strength
+    inclination = before.inclination + share * (inclination_now - before.inclination)
+    off_strength, off_inclination = strength - before.usual_strength, inclination - before.usual_inclination
+    if abs(off_strength) < STRENGTH_GATE * before.usual_strength and abs(off_inclination) < INCLINATION_GATE:
+        learning_share = 1.0 - exp(-dt_s / LEARNING_S)
+        usual_strength = before.usual_strength + learning_share * off_strength
         rejected_s = clamp(before.rejected_s - 2.0 * dt_s, 0.0, PATIENCE_S)
-        return FieldGate(strength, dip, usual_strength, before.usual_dip + learned * off_dip, rejected_s, True)
+        return FieldMonitor(
+            strength,
+            inclination,
+            usual_strength,
+            before.usual_inclination + learning_share * off_inclination,
+            rejected_s,
+            True,
+        )
     rejected_s = before.rejected_s + dt_s
     if rejected_s < PATIENCE_S:
-        return FieldGate(strength, dip, before.usual_strength, before.usual_dip, rejected_s, False)
-    return FieldGate(strength, dip, strength, dip, 0.0, True)
+        return FieldMonitor(strength, inclination, before.usual_strength, before.usual_inclination, rejected_s, False)
+    return FieldMonitor(strength, inclination, strength, inclination, 0.0, True)

@@ -17,8 +17,8 @@ from mypy_extensions import mypyc_attr
 from attest_mav.algebra import dot, down_in_body, norm, q_exp, q_mul, q_unit, scale, sub
 from attest_mav.filters.base import MAX_CORRECTION_DT_S, AttitudeFilter, FilterInputs, FilterState, Start
 from attest_mav.filters.gradient_descent.gradients import descended, field_misfit, full_gradient, gravity_gradient
-from attest_mav.filters.gradient_descent.heading_step import headed, heading_error
-from attest_mav.filters.gradient_descent.options import Learned, prepared, taught, untaught
+from attest_mav.filters.gradient_descent.heading_step import heading_corrected, heading_error
+from attest_mav.filters.gradient_descent.options import OptionMemory, advanced_memory, initial_memory, prepared_sample
 from attest_mav.types import G_MPS2, ImuSample, Quat, Vec3
 
 MAX_FIELD: Final = 1e9
@@ -62,11 +62,11 @@ class GradientDescentState(FilterState):
 class OptionState(GradientDescentState):
     """State of a filter with an option, with what each has learned. A heading with its own step has no residual."""
 
-    def __init__(self, plain: GradientDescentState, q_nb: Quat, mag_used: bool, learned: Learned) -> None:
+    def __init__(self, plain: GradientDescentState, q_nb: Quat, mag_used: bool, memory: OptionMemory) -> None:
         super().__init__(
-            q_nb, learned.rest.bias, plain.accel_used, mag_used, plain.gravity_residual, plain.field_residual
+            q_nb, memory.rest.bias, plain.accel_used, mag_used, plain.gravity_residual, plain.field_residual
         )
-        self.learned: Final = learned
+        self.memory: Final = memory
 
 
 @dataclass(frozen=True)
@@ -114,9 +114,9 @@ class GradientDescent(AttitudeFilter):
         plain = GradientDescentState(start.q_nb, start.gyro_bias, False, False, zero, zero)
         if not (self.rest_bias or self.accel_time_s > 0.0 or self.heading_rate > 0.0 or self.field_gate):
             return plain
-        return OptionState(plain, start.q_nb, False, untaught(start))
+        return OptionState(plain, start.q_nb, False, initial_memory(start))
 
-    def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: FilterInputs) -> GradientDescentState:
+    def step(self, state: FilterState, dt_s: float, sample: ImuSample, inputs: FilterInputs) -> GradientDescentState:
         """One step of (31), or of (26)-(30) with ``full_fusion``. Without a usable gyro the attitude is held."""
         if isinstance(state, OptionState):
             return self._step_with_options(state, dt_s, sample)
@@ -154,22 +154,22 @@ class GradientDescent(AttitudeFilter):
         """The paper's step, given what the options make of the sample, and the heading's own behind it."""
         none: Vec3 = (0.0, 0.0, 0.0)
         if not dot(sample.gyro, sample.gyro) < MAX_RATE_SQ:
-            held = GradientDescentState(before.q_nb, none, False, False, none, none)
-            return OptionState(held, before.q_nb, False, before.learned)
+            unchanged = GradientDescentState(before.q_nb, none, False, False, none, none)
+            return OptionState(unchanged, before.q_nb, False, before.memory)
         time_s, gate = self.accel_time_s, self.field_gate
-        learned = taught(before.learned, before.q_nb, sample, dt_s, self.rest_bias, time_s, gate)
-        fed = prepared(learned, sample, time_s, gate)
-        unbiased = GradientDescentState(before.q_nb, none, False, False, none, none)
-        mag = fed.mag
+        memory = advanced_memory(before.memory, before.q_nb, sample, dt_s, self.rest_bias, time_s, gate)
+        prepared = prepared_sample(memory, sample, time_s, gate)
+        without_bias = GradientDescentState(before.q_nb, none, False, False, none, none)
+        mag = prepared.mag
         if self.heading_rate == 0.0 or mag is None:
-            plain = self._plain_step(unbiased, dt_s, fed)
-            return OptionState(plain, plain.q_nb, plain.mag_used, learned)
-        plain = self._plain_step(unbiased, dt_s, fed.with_readings(fed.gyro, fed.accel, None))
+            plain = self._plain_step(without_bias, dt_s, prepared)
+            return OptionState(plain, plain.q_nb, plain.mag_used, memory)
+        plain = self._plain_step(without_bias, dt_s, prepared.with_readings(prepared.gyro, prepared.accel, None))
         error = heading_error(plain.q_nb, mag)
         if isnan(error):
-            return OptionState(plain, plain.q_nb, False, learned)
-        q = headed(plain.q_nb, error, self.heading_rate, min(dt_s, MAX_CORRECTION_DT_S))
-        return OptionState(plain, q, True, learned)
+            return OptionState(plain, plain.q_nb, False, memory)
+        q = heading_corrected(plain.q_nb, error, self.heading_rate, min(dt_s, MAX_CORRECTION_DT_S))
+        return OptionState(plain, q, True, memory)
 
     def _reference_field(self, down: Vec3, direction: Vec3) -> tuple[float, float]:
         """(b_x, b_z) of the reference field: fixed, or eq. (20), the measured field levelled by the estimate.

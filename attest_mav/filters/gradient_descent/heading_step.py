@@ -24,6 +24,6 @@ def heading_error(q: Quat, mag: Vec3) -> float:
     return atan2(east, north)
 
 
-def headed(q: Quat, error: float, rate: float, dt_s: float) -> Quat:
+def heading_corrected(q: Quat, error: float, rate: float, dt_s: float) -> Quat:
     """q turned about the vertical so as to lessen the error (rad), at most at ``rate`` (rad/s)."""
     return q_mul(q_heading(-dt_s * clamp(error / SETTLING_S, -rate, rate)), q)

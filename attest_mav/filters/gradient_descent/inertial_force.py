@@ -18,27 +18,27 @@ from attest_mav.types import Quat, Vec3
 class InertialForce:
     """turned: from the body to the almost inertial axes. force: in these, m/s^2."""
 
-    def __init__(self, turned: Quat, force: Smoothed) -> None:
-        self.turned: Final = turned
+    def __init__(self, q_inertial_body: Quat, force: Smoothed) -> None:
+        self.q_inertial_body: Final = q_inertial_body
         self.force: Final = force
 
     @property
     def in_body(self) -> Vec3:
         """The low-passed force in the body's axes now, m/s^2."""
-        return rotate_back(self.turned, self.force.value)
+        return rotate_back(self.q_inertial_body, self.force.value)
 
 
-def resting(q: Quat, accel: Vec3) -> InertialForce:
+def initial_force(q: Quat, accel: Vec3) -> InertialForce:
     """At the start, with the mean of the readings (m/s^2) in the body; the axes are those that q turns to."""
     return InertialForce(q, steady(rotate(q, accel)))
 
 
-def carried(before: InertialForce, gyro: Vec3, accel: Vec3 | None, dt_s: float, time_s: float) -> InertialForce:
+def advanced(before: InertialForce, gyro: Vec3, accel: Vec3 | None, dt_s: float, time_s: float) -> InertialForce:
     """After one more sample. gyro: without its bias, rad/s. accel: m/s^2, None leaves the force as it is.
 
     time_s: time constant of the low-pass.
     """
-    turned = q_unit(q_mul(before.turned, q_exp(scale(gyro, 0.5 * dt_s))))
+    q_inertial_body = q_unit(q_mul(before.q_inertial_body, q_exp(scale(gyro, 0.5 * dt_s))))
     if accel is None:
-        return InertialForce(turned, before.force)
-    return InertialForce(turned, smoothed(before.force, rotate(turned, accel), dt_s, time_s))
+        return InertialForce(q_inertial_body, before.force)
+    return InertialForce(q_inertial_body, smoothed(before.force, rotate(q_inertial_body, accel), dt_s, time_s))

@@ -10,9 +10,9 @@ from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import dot, q_exp, q_mul, scale, sub
 from attest_mav.filters.base import Start
-from attest_mav.filters.gradient_descent.field_gate import FieldGate, gated, unseen
-from attest_mav.filters.gradient_descent.inertial_force import InertialForce, carried, resting
-from attest_mav.filters.gradient_descent.rest_bias import RestBias, rested, unrested
+from attest_mav.filters.gradient_descent.field_gate import FieldMonitor, initial_monitor, monitored
+from attest_mav.filters.gradient_descent.inertial_force import InertialForce, advanced, initial_force
+from attest_mav.filters.gradient_descent.rest_bias import StationaryBias, detect_bias, initial_bias
 from attest_mav.types import ImuSample, Quat
 
 MAX_FORCE_SQ: Final = 1e3 * 1e3
@@ -20,46 +20,52 @@ MAX_FORCE_SQ: Final = 1e3 * 1e3
 
 
 @mypyc_attr(acyclic=True)
-class Learned:
+class OptionMemory:
     """What each option knows; one that is off knows what it knew at the start."""
 
-    def __init__(self, rest: RestBias, inertial: InertialForce, gate: FieldGate) -> None:
+    def __init__(self, rest: StationaryBias, inertial: InertialForce, gate: FieldMonitor) -> None:
         self.rest: Final = rest
         self.inertial: Final = inertial
         self.gate: Final = gate
 
 
-def untaught(start: Start) -> Learned:
+def initial_memory(start: Start) -> OptionMemory:
     """At the start."""
-    gate = gated(unseen(), start.q_nb, start.mag, 0.0)
-    return Learned(unrested(start.gyro_bias, start.accel), resting(start.q_nb, start.accel), gate)
+    gate = monitored(initial_monitor(), start.q_nb, start.mag, 0.0)
+    return OptionMemory(initial_bias(start.gyro_bias, start.accel), initial_force(start.q_nb, start.accel), gate)
 
 
-def taught(
-    before: Learned, q: Quat, sample: ImuSample, dt_s: float, rest_bias: bool, accel_time_s: float, field_gate: bool
-) -> Learned:
+def advanced_memory(
+    before: OptionMemory,
+    q: Quat,
+    sample: ImuSample,
+    dt_s: float,
+    rest_bias: bool,
+    accel_time_s: float,
+    field_gate: bool,
+) -> OptionMemory:
     """After one more sample, whose gyro is usable. q: the attitude ``dt_s`` earlier."""
     rest, inertial, gate = before.rest, before.inertial, before.gate
     if rest_bias:
-        rest = rested(rest, sample.gyro, sample.accel, dt_s)
+        rest = detect_bias(rest, sample.gyro, sample.accel, dt_s)
     gyro = sub(sample.gyro, rest.bias)
     if accel_time_s > 0.0:
-        accel = sample.accel if shows_force(sample) else None
-        inertial = carried(inertial, gyro, accel, dt_s, accel_time_s)
+        accel = sample.accel if has_usable_force(sample) else None
+        inertial = advanced(inertial, gyro, accel, dt_s, accel_time_s)
     if field_gate:
-        gate = gated(gate, q_mul(q, q_exp(scale(gyro, 0.5 * dt_s))), sample.mag, dt_s)
-    return Learned(rest, inertial, gate)
+        gate = monitored(gate, q_mul(q, q_exp(scale(gyro, 0.5 * dt_s))), sample.mag, dt_s)
+    return OptionMemory(rest, inertial, gate)
 
 
-def prepared(learned: Learned, sample: ImuSample, accel_time_s: float, field_gate: bool) -> ImuSample:
+def prepared_sample(memory: OptionMemory, sample: ImuSample, accel_time_s: float, field_gate: bool) -> ImuSample:
     """The sample as the step is to see it; an accelerometer that is not usable stays what it is."""
     return sample.with_readings(
-        sub(sample.gyro, learned.rest.bias),
-        learned.inertial.in_body if accel_time_s > 0.0 and shows_force(sample) else sample.accel,
-        sample.mag if not field_gate or learned.gate.believed else None,
+        sub(sample.gyro, memory.rest.bias),
+        memory.inertial.in_body if accel_time_s > 0.0 and has_usable_force(sample) else sample.accel,
+        sample.mag if not field_gate or memory.gate.is_earths_field else None,
     )
 
 
-def shows_force(sample: ImuSample) -> bool:
+def has_usable_force(sample: ImuSample) -> bool:
     """Whether the accelerometer's reading is a specific force."""
     return not sample.saturated and dot(sample.accel, sample.accel) < MAX_FORCE_SQ

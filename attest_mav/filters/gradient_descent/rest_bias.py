@@ -29,41 +29,41 @@ MEMORY_S: Final = 10.0
 
 
 @mypyc_attr(acyclic=True)
-class RestBias:
+class StationaryBias:
     """What is known after a sample.
 
     bias: rad/s. gyro, accel: low-passed readings, rad/s and m/s^2. quiet_s: for how long they have been quiet.
     rested_s: length of the rest that the bias is the mean of; 0 before the first.
     """
 
-    def __init__(self, bias: Vec3, gyro: Smoothed, accel: Smoothed, quiet_s: float, rested_s: float) -> None:
+    def __init__(self, bias: Vec3, gyro: Smoothed, accel: Smoothed, quiet_s: float, averaged_s: float) -> None:
         self.bias: Final = bias
         self.gyro: Final = gyro
         self.accel: Final = accel
         self.quiet_s: Final = quiet_s
-        self.rested_s: Final = rested_s
+        self.averaged_s: Final = averaged_s
 
 
-def unrested(bias: Vec3, accel: Vec3) -> RestBias:
+def initial_bias(bias: Vec3, accel: Vec3) -> StationaryBias:
     """Before the first sample, with the bias known from elsewhere (rad/s) and the mean specific force (m/s^2)."""
-    return RestBias(bias, steady(bias), steady(accel), 0.0, 0.0)
+    return StationaryBias(bias, steady(bias), steady(accel), 0.0, 0.0)
 
 
-def rested(before: RestBias, gyro: Vec3, accel: Vec3, dt_s: float) -> RestBias:
+def detect_bias(before: StationaryBias, gyro: Vec3, accel: Vec3, dt_s: float) -> StationaryBias:
     """After one more sample; one that is not finite ends a rest and is otherwise as if it had not been."""
     if not (is_finite(gyro) and is_finite(accel)):
-        return RestBias(before.bias, before.gyro, before.accel, 0.0, before.rested_s)
+        return StationaryBias(before.bias, before.gyro, before.accel, 0.0, before.averaged_s)
     slow_gyro = smoothed(before.gyro, gyro, dt_s, SMOOTHING_S)
     slow_accel = smoothed(before.accel, accel, dt_s, SMOOTHING_S)
     quiet_s = before.quiet_s + dt_s if _quiet(gyro, slow_gyro.value, accel, slow_accel.value) else 0.0
     if quiet_s < REST_AFTER_S:
-        return RestBias(before.bias, slow_gyro, slow_accel, quiet_s, before.rested_s)
-    rested_s = before.rested_s + dt_s
-    if rested_s > MEMORY_S:
-        rested_s = MEMORY_S
-    share = dt_s / rested_s
+        return StationaryBias(before.bias, slow_gyro, slow_accel, quiet_s, before.averaged_s)
+    averaged_s = before.averaged_s + dt_s
+    if averaged_s > MEMORY_S:
+        averaged_s = MEMORY_S
+    share = dt_s / averaged_s
     bias = add(before.bias, scale(sub(slow_gyro.value, before.bias), share))
-    return RestBias(bias, slow_gyro, slow_accel, quiet_s, rested_s)
+    return StationaryBias(bias, slow_gyro, slow_accel, quiet_s, averaged_s)
 
 
 def _quiet(gyro: Vec3, slow_gyro: Vec3, accel: Vec3, slow_accel: Vec3) -> bool:

@@ -22,18 +22,18 @@ from attest_mav.filters.base import (
     FilterState,
     Start,
 )
-from attest_mav.filters.leveling.model import Level, corrected, floored, predicted, sound
+from attest_mav.filters.leveling.model import LevelState, is_sound, predicted, updated, with_variance_floor
 from attest_mav.filters.leveling.north import (
     NorthVector,
     direction,
     earth_rate,
-    field_error,
+    heading_error,
     level_axes,
-    levelled,
+    made_level,
     north_from_heading,
-    turned_right,
+    turned_east,
 )
-from attest_mav.filters.leveling.state import LevelingState, Motion, held
+from attest_mav.filters.leveling.state import LevelingState, VelocityModel, unchanged
 from attest_mav.matrices import axes_turn, diagonal, largest_variance
 from attest_mav.types import G_MPS2, ImuSample, North, Vec3
 
@@ -98,16 +98,25 @@ class Leveling(AttitudeFilter):
         """Start from the alignment's down direction and heading, at an unknown speed."""
         axes = q_to_matrix(start.q_nb)
         p0_down = self.p0_down if start.at_rest else self.p0_down_moving
-        level = Level((0.0, 0.0, 0.0), axes[2], diagonal(self.p0_velocity), diagonal(0.0), diagonal(p0_down))
+        level = LevelState((0.0, 0.0, 0.0), axes[2], diagonal(self.p0_velocity), diagonal(0.0), diagonal(p0_down))
         # In motion the heading of the alignment is levelled by a down direction that may be far off.
         known = start.at_rest and start.north != North.RELATIVE
         north = NorthVector(axes[0], self.r_heading, known, False)
-        motion = Motion(False, False, (0.0, 0.0, 0.0))
+        velocity_model = VelocityModel(False, False, (0.0, 0.0, 0.0))
         return LevelingState(
-            start.q_nb, start.gyro_bias, False, False, level, north, motion, self.spacing_s, (nan, nan, nan), nan
+            start.q_nb,
+            start.gyro_bias,
+            False,
+            False,
+            level,
+            north,
+            velocity_model,
+            self.spacing_s,
+            (nan, nan, nan),
+            nan,
         )
 
-    def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: FilterInputs) -> LevelingState:
+    def step(self, state: FilterState, dt_s: float, sample: ImuSample, inputs: FilterInputs) -> LevelingState:
         """Predict with the inertial sample, correct with what is known of the velocity, then turn the heading.
 
         Without a usable gyro it holds.
@@ -115,94 +124,100 @@ class Leveling(AttitudeFilter):
         before = cast("LevelingState", state)
         gyro = sub(sample.gyro, before.gyro_bias)
         if not norm(gyro) < MAX_RATE:
-            return held(before)
+            return unchanged(before)
         was_down = down_in_body(before.q_nb)
-        earth = earth_rate(before.north, was_down, aids.latitude, aids.declination)
-        accel_used = 0.0 < norm(sample.accel) < MAX_ACCEL
-        x = self._predict(before.level, gyro, earth, dt_s, sample, accel_used)
+        earth_rate_b = earth_rate(before.north, was_down, inputs.latitude, inputs.declination)
+        accel_usable = 0.0 < norm(sample.accel) < MAX_ACCEL
+        x = self._predict(before.level, gyro, earth_rate_b, dt_s, sample, accel_usable)
 
-        waited_s = before.waited_s + dt_s
-        due = waited_s > self.spacing_s - 0.5 * dt_s
-        x, motion, velocity_innovation = self._measure_velocity(x, before.motion, aids, due)
-        found = largest_variance(x.p_dd) < LEVEL_FOUND * LEVEL_FOUND
+        since_update_s = before.since_update_s + dt_s
+        due = since_update_s > self.spacing_s - 0.5 * dt_s
+        x, velocity_model, velocity_innovation = self._measure_velocity(x, before.velocity_model, inputs, due)
+        level_found = largest_variance(x.p_dd) < LEVEL_FOUND * LEVEL_FOUND
         length_innovation = nan
         if due:
             length_innovation = 1.0 - dot(x.down, x.down)
-            r_length = self.r_length if found else self.r_length_start
-            x = corrected(x, (0.0, 0.0, 0.0), scale(x.down, 2.0), length_innovation, r_length)
+            r_length = self.r_length if level_found else self.r_length_start
+            x = updated(x, (0.0, 0.0, 0.0), scale(x.down, 2.0), length_innovation, r_length)
 
         down = direction(x.down, was_down)
-        turned = mat_vec(axes_turn(scale(sub(gyro, earth), dt_s)), before.north.direction)
-        north = self._follow_field(before.north, levelled(turned, down), down, found, dt_s, sample, aids)
+        turned = mat_vec(axes_turn(scale(sub(gyro, earth_rate_b), dt_s)), before.north.direction)
+        north = self._follow_field(before.north, made_level(turned, down), down, level_found, dt_s, sample, inputs)
         q = q_continuous(q_from_matrix(level_axes(north.direction, down)), before.q_nb)
-        if not sound(x):
+        if not is_sound(x):
             q = (nan, nan, nan, nan)  # which asks for a new start
         return LevelingState(
             q,
             before.gyro_bias,
-            accel_used,
+            accel_usable,
             north.from_field,
-            floored(x),
+            with_variance_floor(x),
             north,
-            motion,
-            0.0 if due else waited_s,
+            velocity_model,
+            0.0 if due else since_update_s,
             velocity_innovation,
             length_innovation,
         )
 
-    def _predict(self, x: Level, gyro: Vec3, earth: Vec3, dt_s: float, sample: ImuSample, accel_used: bool) -> Level:
+    def _predict(
+        self, x: LevelState, gyro: Vec3, earth_rate_b: Vec3, dt_s: float, sample: ImuSample, accel_usable: bool
+    ) -> LevelState:
         """x after dt_s. Without an accelerometer the vehicle is taken to move evenly, with a wide margin."""
-        accel = sample.accel if accel_used else scale(x.down, -self.gravity)
-        boost = SATURATION_NOISE if sample.saturated else 1.0
-        q_velocity = boost * self.q_velocity if accel_used else BLIND_NOISE
+        accel = sample.accel if accel_usable else scale(x.down, -self.gravity)
+        noise_factor = SATURATION_NOISE if sample.saturated else 1.0
+        q_velocity = noise_factor * self.q_velocity if accel_usable else BLIND_NOISE
         parts = 1 if dt_s <= LONGEST_STEP_S else ceil(dt_s / PART_S)
         part_s = dt_s / parts
         for _ in range(parts):
-            x = predicted(x, gyro, earth, accel, self.gravity, part_s, q_velocity, boost * self.q_down)
+            x = predicted(x, gyro, earth_rate_b, accel, self.gravity, part_s, q_velocity, noise_factor * self.q_down)
         return x
 
-    def _measure_velocity(self, x: Level, before: Motion, aids: FilterInputs, due: bool) -> tuple[Level, Motion, Vec3]:
+    def _measure_velocity(
+        self, x: LevelState, before: VelocityModel, inputs: FilterInputs, due: bool
+    ) -> tuple[LevelState, VelocityModel, Vec3]:
         """x after the rows of the model in use, that model, and the innovations."""
-        if aids.stationary:
+        if inputs.stationary:
             if not before.stationary:
-                x = self._with_velocity(x, (0.0, 0.0, 0.0))
-            return self._keep(x, Motion(True, False, (0.0, 0.0, 0.0)), self.r_stationary, due)
-        velocity = aids.body_velocity
+                x = self._with_restarted_velocity(x, (0.0, 0.0, 0.0))
+            return self._hold_velocity(x, VelocityModel(True, False, (0.0, 0.0, 0.0)), self.r_stationary, due)
+        velocity = inputs.body_velocity
         if velocity is None or not abs(velocity.forward) < MAX_SPEED:
-            return self._keep(x, Motion(False, False, before.velocity), self.r_unaided, due)
+            return self._hold_velocity(x, VelocityModel(False, False, before.velocity), self.r_unaided, due)
         if not velocity.is_new:
-            return (x, Motion(False, before.moving, before.velocity), (nan, nan, nan))
+            return (x, VelocityModel(False, before.moving, before.velocity), (nan, nan, nan))
         if not before.moving:
-            x = self._with_velocity(x, (velocity.forward, *_lateral(velocity)))
-        x, innovation = self._take_speed(x, velocity)
-        return (x, Motion(False, True, x.velocity), innovation)
+            x = self._with_restarted_velocity(x, (velocity.forward, *_lateral(velocity)))
+        x, innovation = self._fuse_speed(x, velocity)
+        return (x, VelocityModel(False, True, x.velocity), innovation)
 
-    def _with_velocity(self, x: Level, velocity: Vec3) -> Level:
+    def _with_restarted_velocity(self, x: LevelState, velocity: Vec3) -> LevelState:
         """x with its velocity started anew.
 
         What the speed sensor of a standing vehicle showed (wind), or what a moving one had gathered, must not be
         levered into the attitude when the model changes.
         """
-        return Level(velocity, x.down, diagonal(self.p0_velocity), diagonal(0.0), x.p_dd)
+        return LevelState(velocity, x.down, diagonal(self.p0_velocity), diagonal(0.0), x.p_dd)
 
-    def _keep(self, x: Level, motion: Motion, variance: float, due: bool) -> tuple[Level, Motion, Vec3]:
+    def _hold_velocity(
+        self, x: LevelState, velocity_model: VelocityModel, variance: float, due: bool
+    ) -> tuple[LevelState, VelocityModel, Vec3]:
         """The rows of the stationary model, eq. (32); also, with a large variance, of a vehicle without a speed."""
         if not due or isinf(variance):
-            return (x, motion, (nan, nan, nan))
-        x, forward = _take_row(x, (1.0, 0.0, 0.0), motion.velocity[0], variance)
-        x, side = _take_row(x, (0.0, 1.0, 0.0), motion.velocity[1], variance)
-        x, down = _take_row(x, (0.0, 0.0, 1.0), motion.velocity[2], variance)
-        return (x, motion, (forward, side, down))
+            return (x, velocity_model, (nan, nan, nan))
+        x, forward = _fuse_velocity(x, (1.0, 0.0, 0.0), velocity_model.velocity[0], variance)
+        x, side = _fuse_velocity(x, (0.0, 1.0, 0.0), velocity_model.velocity[1], variance)
+        x, down = _fuse_velocity(x, (0.0, 0.0, 1.0), velocity_model.velocity[2], variance)
+        return (x, velocity_model, (forward, side, down))
 
-    def _take_speed(self, x: Level, velocity: BodyVelocity) -> tuple[Level, Vec3]:
+    def _fuse_speed(self, x: LevelState, velocity: BodyVelocity) -> tuple[LevelState, Vec3]:
         """The rows of the moving model, eq. (29), with those for a vehicle that goes where it points."""
         side, down = nan, nan
-        x, forward = _take_row(x, (1.0, 0.0, 0.0), velocity.forward, self.r_speed)
+        x, forward = _fuse_velocity(x, (1.0, 0.0, 0.0), velocity.forward, self.r_speed)
         if velocity.lateral_known and not isinf(self.r_sideslip):
             if abs(velocity.side) < MAX_SPEED:
-                x, side = _take_row(x, (0.0, 1.0, 0.0), velocity.side, self.r_sideslip)
+                x, side = _fuse_velocity(x, (0.0, 1.0, 0.0), velocity.side, self.r_sideslip)
             if abs(velocity.down) < MAX_SPEED:
-                x, down = _take_row(x, (0.0, 0.0, 1.0), velocity.down, self.r_sideslip)
+                x, down = _fuse_velocity(x, (0.0, 0.0, 1.0), velocity.down, self.r_sideslip)
         return (x, (forward, side, down))
 
     def _follow_field(
@@ -210,31 +225,31 @@ class Leveling(AttitudeFilter):
         before: NorthVector,
         north: Vec3,
         down: Vec3,
-        found: bool,
+        level_found: bool,
         dt_s: float,
         sample: ImuSample,
-        aids: FilterInputs,
+        inputs: FilterInputs,
     ) -> NorthVector:
         """The heading after this sample: as supplied, or drawn to the magnetometer, or as the gyro turned it.
 
         One that was not known becomes the magnetometer's, until the level is found and it counts as known.
         """
-        heading = aids.heading
+        heading = inputs.heading
         if heading is not None and abs(heading) < MAX_HEADING:
             return NorthVector(north_from_heading(heading, down, north), self.r_heading, True, False)
         variance = before.variance + self.heading_noise * dt_s
-        error = field_error(north, down, sample.mag) if sample.mag is not None else nan
+        error = heading_error(north, down, sample.mag) if sample.mag is not None else nan
         if isnan(error):
             return NorthVector(north, min(variance, pi * pi), before.known, False)
         gain = min(dt_s, MAX_CORRECTION_DT_S) / self.heading_time_s if before.known else 1.0
         variance = (1.0 - gain) * (1.0 - gain) * variance + gain * gain * self.r_heading
-        return NorthVector(turned_right(north, down, gain * error), variance, before.known or found, True)
+        return NorthVector(turned_east(north, down, gain * error), variance, before.known or level_found, True)
 
 
-def _take_row(x: Level, axis: Vec3, measured: float, variance: float) -> tuple[Level, float]:
+def _fuse_velocity(x: LevelState, axis: Vec3, measured: float, variance: float) -> tuple[LevelState, float]:
     """x after measuring the velocity along one axis, and the innovation."""
     innovation = measured - dot(axis, x.velocity)
-    return (corrected(x, axis, (0.0, 0.0, 0.0), innovation, variance), innovation)
+    return (updated(x, axis, (0.0, 0.0, 0.0), innovation, variance), innovation)
 
 
 def _lateral(velocity: BodyVelocity) -> tuple[float, float]:

@@ -33,7 +33,7 @@ MIN_VARIANCE: Final = 1e-12
 
 
 @mypyc_attr(acyclic=True)  # as FilterState
-class Level:
+class LevelState:
     """velocity: over ground in the body, m/s. down: in the body, near unit length. p_vv, p_vd, p_dd: covariance."""
 
     def __init__(self, velocity: Vec3, down: Vec3, p_vv: Mat3, p_vd: Mat3, p_dd: Mat3) -> None:
@@ -45,21 +45,21 @@ class Level:
 
 
 def predicted(
-    x: Level, gyro: Vec3, earth: Vec3, accel: Vec3, gravity: float, dt_s: float, q_v: float, q_d: float
-) -> Level:
+    x: LevelState, gyro: Vec3, earth_rate: Vec3, accel: Vec3, gravity: float, dt_s: float, q_v: float, q_d: float
+) -> LevelState:
     """x after dt_s, eqs. (21), (22) and (26), integrated in closed form while the rates are constant.
 
     gyro, earth: rad/s. accel: specific force, m/s^2. q_v, q_d: variance that grows on each component a second.
 
     The transition is [a b; 0 d]. For b, the turn by w + W of what has turned by w - W averages to the turn by w.
     """
-    a = axes_turn(scale(add(gyro, earth), dt_s))
+    a = axes_turn(scale(add(gyro, earth_rate), dt_s))
     b = mat_scale(axes_turn(scale(gyro, dt_s)), gravity * dt_s)
-    d = axes_turn(scale(sub(gyro, earth), dt_s))
-    velocity = add(add(mat_vec(a, x.velocity), mat_vec(b, x.down)), velocity_gain(add(gyro, earth), accel, dt_s))
+    d = axes_turn(scale(sub(gyro, earth_rate), dt_s))
+    velocity = add(add(mat_vec(a, x.velocity), mat_vec(b, x.down)), velocity_gain(add(gyro, earth_rate), accel, dt_s))
     m_v = mat_add(mat_mul(a, x.p_vv), mat_mul_t(b, x.p_vd))
     m_d = mat_add(mat_mul(a, x.p_vd), mat_mul(b, x.p_dd))
-    return Level(
+    return LevelState(
         velocity,
         mat_vec(d, x.down),
         add_diagonal(symmetric(mat_add(mat_mul_t(m_v, a), mat_mul_t(m_d, b))), q_v * dt_s),
@@ -79,7 +79,7 @@ def velocity_gain(rate: Vec3, accel: Vec3, dt_s: float) -> Vec3:
     )
 
 
-def corrected(x: Level, h_v: Vec3, h_d: Vec3, innovation: float, r: float) -> Level:
+def updated(x: LevelState, h_v: Vec3, h_d: Vec3, innovation: float, r: float) -> LevelState:
     """x after one scalar row z = h_v.V + h_d.a + noise of variance r, eqs. (23) to (25), Joseph form.
 
     P <- (I - k h^T) P (I - k h^T)^T + k r k^T, worked out as M + (r k - M h) k^T with M = (I - k h^T) P.
@@ -91,7 +91,7 @@ def corrected(x: Level, h_v: Vec3, h_d: Vec3, innovation: float, r: float) -> Le
     m_vv, m_vd, m_dd = minus_outer(x.p_vv, k_v, g_v), minus_outer(x.p_vd, k_v, g_d), minus_outer(x.p_dd, k_d, g_d)
     w_v = sub(add(mat_vec(m_vv, h_v), mat_vec(m_vd, h_d)), scale(k_v, r))
     w_d = sub(add(mat_t_vec(m_vd, h_v), mat_vec(m_dd, h_d)), scale(k_d, r))
-    return Level(
+    return LevelState(
         add(x.velocity, scale(k_v, innovation)),
         add(x.down, scale(k_d, innovation)),
         symmetric(minus_outer(m_vv, w_v, k_v)),
@@ -100,7 +100,7 @@ def corrected(x: Level, h_v: Vec3, h_d: Vec3, innovation: float, r: float) -> Le
     )
 
 
-def tilt_variance(x: Level) -> float:
+def tilt_variance(x: LevelState) -> float:
     """Variance of the direction of the down vector, summed over both axes across it, rad^2."""
     length_sq = dot(x.down, x.down)
     if not length_sq > 1e-12:
@@ -109,11 +109,13 @@ def tilt_variance(x: Level) -> float:
     return min(max(trace(x.p_dd) - along, 0.0) / length_sq, pi * pi)
 
 
-def sound(x: Level) -> bool:
+def is_sound(x: LevelState) -> bool:
     """True while everything is finite and no variance is negative."""
     return is_finite(x.velocity) and is_finite(x.down) and no_negative_variance(x.p_vv) and no_negative_variance(x.p_dd)
 
 
-def floored(x: Level) -> Level:
+def with_variance_floor(x: LevelState) -> LevelState:
     """x with its variances no smaller than ``MIN_VARIANCE``."""
-    return Level(x.velocity, x.down, floor_diagonal(x.p_vv, MIN_VARIANCE), x.p_vd, floor_diagonal(x.p_dd, MIN_VARIANCE))
+    return LevelState(
+        x.velocity, x.down, floor_diagonal(x.p_vv, MIN_VARIANCE), x.p_vd, floor_diagonal(x.p_dd, MIN_VARIANCE)
+    )

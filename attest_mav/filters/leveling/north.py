@@ -48,7 +48,7 @@ def across(v: Vec3, axis: Vec3) -> Vec3:
     return sub(v, scale(axis, dot(v, axis)))
 
 
-def levelled(north: Vec3, down: Vec3) -> Vec3:
+def made_level(north: Vec3, down: Vec3) -> Vec3:
     """north made level (unit ``down``) and of unit length; if it pointed up or down, any level direction."""
     aside: Vec3 = (0.0, 1.0, 0.0) if abs(down[1]) < 0.8 else (1.0, 0.0, 0.0)
     return direction(across(north, down), direction(across(aside, down), aside))
@@ -69,16 +69,16 @@ def earth_rate(north: NorthVector, down: Vec3, latitude: float, declination: flo
     vertical = scale(down, -EARTH_RATE * sin(latitude))
     if not north.known:
         return vertical
-    true_north = north.direction if isnan(declination) else turned_right(north.direction, down, -declination)
+    true_north = north.direction if isnan(declination) else turned_east(north.direction, down, -declination)
     return add(scale(true_north, EARTH_RATE * cos(latitude)), vertical)
 
 
-def turned_right(north: Vec3, down: Vec3, angle: float) -> Vec3:
+def turned_east(north: Vec3, down: Vec3, angle: float) -> Vec3:
     """The level unit vector ``north`` turned towards its east by ``angle``, rad."""
     return add(scale(north, cos(angle)), scale(cross(down, north), sin(angle)))
 
 
-def field_error(north: Vec3, down: Vec3, mag: Vec3) -> float:
+def heading_error(north: Vec3, down: Vec3, mag: Vec3) -> float:
     """Angle of the level part of the field east of ``north``, rad; NaN where the field shows no heading."""
     length = norm(mag)
     level = across(mag, down)
@@ -92,4 +92,4 @@ def north_from_heading(heading: float, down: Vec3, otherwise: Vec3) -> Vec3:
     nose = across((1.0, 0.0, 0.0), down)
     if norm(nose) < 1e-3:
         return otherwise
-    return turned_right(direction(nose, otherwise), down, -heading)
+    return turned_east(direction(nose, otherwise), down, -heading)

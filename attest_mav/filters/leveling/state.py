@@ -6,13 +6,13 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.filters.base import FilterState
-from attest_mav.filters.leveling.model import Level, tilt_variance
+from attest_mav.filters.leveling.model import LevelState, tilt_variance
 from attest_mav.filters.leveling.north import NorthVector
 from attest_mav.types import Quat, Vec3
 
 
 @mypyc_attr(acyclic=True)  # as FilterState
-class Motion:
+class VelocityModel:
     """What is taken for granted of the velocity.
 
     stationary: the vehicle stands. moving: a speed reading has started the velocity. velocity: in the body, m/s, what
@@ -40,23 +40,23 @@ class LevelingState(FilterState):
         gyro_bias: Vec3,
         accel_used: bool,
         mag_used: bool,
-        level: Level,
+        level: LevelState,
         north: NorthVector,
-        motion: Motion,
-        waited_s: float,
+        velocity_model: VelocityModel,
+        since_update_s: float,
         velocity_innovation: Vec3,
         length_innovation: float,
     ) -> None:
         super().__init__(q_nb, gyro_bias, accel_used, mag_used, sqrt(tilt_variance(level)), sqrt(north.variance))
         self.level: Final = level
         self.north: Final = north
-        self.motion: Final = motion
-        self.waited_s: Final = waited_s
+        self.velocity_model: Final = velocity_model
+        self.since_update_s: Final = since_update_s
         self.velocity_innovation: Final = velocity_innovation
         self.length_innovation: Final = length_innovation
 
 
-def held(before: LevelingState) -> LevelingState:
+def unchanged(before: LevelingState) -> LevelingState:
     """The state kept as it is."""
     return LevelingState(
         before.q_nb,
@@ -65,8 +65,8 @@ def held(before: LevelingState) -> LevelingState:
         False,
         before.level,
         before.north,
-        before.motion,
-        before.waited_s,
+        before.velocity_model,
+        before.since_update_s,
         (nan, nan, nan),
         nan,
     )

@@ -18,11 +18,11 @@ from attest_mav.filters.base import MAX_CORRECTION_DT_S, AttitudeFilter, FilterI
 from attest_mav.filters.robust_adaptive.model import (
     accel_innovation,
     heading_innovation,
-    measurement_rows,
+    measurement_jacobian,
     predicted_covariance,
-    row_variances,
+    state_variances_of,
 )
-from attest_mav.filters.robust_adaptive.state import RobustAdaptiveState, held, unmeasured
+from attest_mav.filters.robust_adaptive.state import RobustAdaptiveState, unchanged, without_measurement
 from attest_mav.matrices4 import (
     Mat4,
     add4,
@@ -92,33 +92,33 @@ class RobustAdaptive(AttitudeFilter):
 
     def initial(self, start: Start) -> RobustAdaptiveState:
         """Start from the alignment."""
-        return unmeasured(start.q_nb, start.gyro_bias, diagonal4(self.p0), 1.0, (0.0, 0.0, 0.0, 0.0))
+        return without_measurement(start.q_nb, start.gyro_bias, diagonal4(self.p0), 1.0, (0.0, 0.0, 0.0, 0.0))
 
-    def step(self, state: FilterState, dt_s: float, sample: ImuSample, aids: FilterInputs) -> RobustAdaptiveState:
+    def step(self, state: FilterState, dt_s: float, sample: ImuSample, inputs: FilterInputs) -> RobustAdaptiveState:
         """One step of (14): predict, weigh the rows, weigh the prediction, correct. Without a usable gyro it holds."""
         before = cast("RobustAdaptiveState", state)
         gyro = sub(sample.gyro, before.gyro_bias)
         if not norm(gyro) < MAX_RATE:
-            return held(before)
+            return unchanged(before)
         turn = q_exp(scale(gyro, 0.5 * dt_s))
         q = q_unit(q_mul(before.q_nb, turn))
-        boost = SATURATION_NOISE if sample.saturated else 1.0
-        noise = 0.25 * boost * self.gyro_noise * dt_s
-        p = predicted_covariance(before.covariance, turn, q, noise, boost * self.q_step)
+        noise_factor = SATURATION_NOISE if sample.saturated else 1.0
+        noise = 0.25 * noise_factor * self.gyro_noise * dt_s
+        p = predicted_covariance(before.covariance, turn, q, noise, noise_factor * self.q_step)
 
-        z = self._innovation(q, sample, aids)
-        rows = measurement_rows(q, not self.printed)
-        spread = row_variances(p, rows)
-        inflation, rejected_s = self.weigh_rows(z, spread, before.rejected_s, dt_s)
-        disagreement, alpha = self.weigh_prediction(z, spread, inflation, before.disagreement, dt_s)
+        z = self._innovation(q, sample, inputs)
+        jacobian = measurement_jacobian(q, not self.printed)
+        state_variances = state_variances_of(p, jacobian)
+        inflation, rejected_s = self.weigh_measurements(z, state_variances, before.rejected_s, dt_s)
+        mean_nis, alpha = self.weigh_prediction(z, state_variances, inflation, before.mean_nis, dt_s)
         alpha = max(alpha, min(1.0, largest_variance4(p) / MAX_VARIANCE))
         p = scaled4(p, 1.0 / alpha)
 
-        dq, p = self.correction(p, rows, z, inflation)
+        dq, p = self.correction(p, jacobian, z, inflation)
         q = add4(q, dq)
-        sound = q_norm(q) >= MIN_LENGTH and no_negative_variance4(p)
+        is_sound = q_norm(q) >= MIN_LENGTH and no_negative_variance4(p)
         return RobustAdaptiveState(
-            q_unit(q) if sound else (nan, nan, nan, nan),
+            q_unit(q) if is_sound else (nan, nan, nan, nan),
             before.gyro_bias,
             not (isinf(inflation[0]) and isinf(inflation[1]) and isinf(inflation[2])),
             not isinf(inflation[3]),
@@ -126,13 +126,13 @@ class RobustAdaptive(AttitudeFilter):
             z,
             inflation,
             alpha,
-            disagreement,
+            mean_nis,
             rejected_s,
         )
 
-    def _innovation(self, q: Quat, sample: ImuSample, aids: FilterInputs) -> Quat:
+    def _innovation(self, q: Quat, sample: ImuSample, inputs: FilterInputs) -> Quat:
         """Measured minus predicted, eq. (17); NaN for a row without a usable reading."""
-        heading = heading_innovation(q, sample.mag, aids.heading)
+        heading = heading_innovation(q, sample.mag, inputs.heading)
         length = norm(sample.accel)
         in_gate = abs(length / G_MPS2 - 1.0) <= self.max_accel_error_g
         if sample.saturated or not in_gate or not 0.0 < length < MAX_ACCEL:
@@ -140,18 +140,18 @@ class RobustAdaptive(AttitudeFilter):
         x, y, z = accel_innovation(q, sample.accel)
         return (x, y, z, heading)
 
-    def weigh_rows(self, z: Quat, spread: Quat, rejected_s: Quat, dt_s: float) -> tuple[Quat, Quat]:
+    def weigh_measurements(self, z: Quat, state_variances: Quat, rejected_s: Quat, dt_s: float) -> tuple[Quat, Quat]:
         """The inflation of every row, eq. (16), and for how long each has been rejected.
 
         spread: diagonal of H P H^T.
         """
-        x, wait_x = self._weigh_row(z[0], spread[0] + self.r_accel, rejected_s[0], dt_s)
-        y, wait_y = self._weigh_row(z[1], spread[1] + self.r_accel, rejected_s[1], dt_s)
-        down, wait_down = self._weigh_row(z[2], spread[2] + self.r_accel, rejected_s[2], dt_s)
-        heading, wait_heading = self._weigh_row(z[3], spread[3] + self.r_heading, rejected_s[3], dt_s)
+        x, wait_x = self._weigh_measurement(z[0], state_variances[0] + self.r_accel, rejected_s[0], dt_s)
+        y, wait_y = self._weigh_measurement(z[1], state_variances[1] + self.r_accel, rejected_s[1], dt_s)
+        down, wait_down = self._weigh_measurement(z[2], state_variances[2] + self.r_accel, rejected_s[2], dt_s)
+        heading, wait_heading = self._weigh_measurement(z[3], state_variances[3] + self.r_heading, rejected_s[3], dt_s)
         return ((x, y, down, heading), (wait_x, wait_y, wait_down, wait_heading))
 
-    def _weigh_row(self, z: float, variance: float, rejected_s: float, dt_s: float) -> tuple[float, float]:
+    def _weigh_measurement(self, z: float, variance: float, rejected_s: float, dt_s: float) -> tuple[float, float]:
         """The inflation of one row whose innovation z should have ``variance``, and for how long it is rejected now.
 
         A row that is rejected for ``reacquire_s`` is right and the state is wrong: it is then believed as it is until
@@ -171,37 +171,37 @@ class RobustAdaptive(AttitudeFilter):
         return (inf, rejected_s + dt_s)
 
     def weigh_prediction(
-        self, z: Quat, spread: Quat, inflation: Quat, disagreement: float, dt_s: float
+        self, z: Quat, state_variances: Quat, inflation: Quat, mean_nis: float, dt_s: float
     ) -> tuple[float, float]:
         """The running disagreement of the unflagged rows, and the adaptive factor alpha."""
         if not self.adaptive:
-            return (disagreement, 1.0)
+            return (mean_nis, 1.0)
         if self.printed:
-            return (disagreement, self._printed_alpha(z, spread, inflation))
+            return (mean_nis, self._printed_alpha(z, state_variances, inflation))
         r = self.r_accel
         total = (
-            _misfit(z[0], spread[0] + r, inflation[0])
-            + _misfit(z[1], spread[1] + r, inflation[1])
-            + _misfit(z[2], spread[2] + r, inflation[2])
-            + _misfit(z[3], spread[3] + self.r_heading, inflation[3])
+            _nominal_nis(z[0], state_variances[0] + r, inflation[0])
+            + _nominal_nis(z[1], state_variances[1] + r, inflation[1])
+            + _nominal_nis(z[2], state_variances[2] + r, inflation[2])
+            + _nominal_nis(z[3], state_variances[3] + self.r_heading, inflation[3])
         )
         count = _nominal(inflation[0]) + _nominal(inflation[1]) + _nominal(inflation[2]) + _nominal(inflation[3])
         if count == 0.0:
-            return (disagreement, 1.0)
+            return (mean_nis, 1.0)
         gain = min(1.0, min(dt_s, MAX_CORRECTION_DT_S) / self.average_s)
-        disagreement += gain * (total / count - disagreement)
-        if disagreement <= self.max_disagreement:
-            return (disagreement, 1.0)
-        return (disagreement, max(self.min_alpha, self.max_disagreement / disagreement))
+        mean_nis += gain * (total / count - mean_nis)
+        if mean_nis <= self.max_disagreement:
+            return (mean_nis, 1.0)
+        return (mean_nis, max(self.min_alpha, self.max_disagreement / mean_nis))
 
-    def _printed_alpha(self, z: Quat, spread: Quat, inflation: Quat) -> float:
+    def _printed_alpha(self, z: Quat, state_variances: Quat, inflation: Quat) -> float:
         """(28): the trace of what the innovation's covariance should be over that of what one sample shows."""
         r = self.r_accel
         expected = (
-            _present(z[0], spread[0] + inflation[0] * r)
-            + _present(z[1], spread[1] + inflation[1] * r)
-            + _present(z[2], spread[2] + inflation[2] * r)
-            + _present(z[3], spread[3] + inflation[3] * self.r_heading)
+            _present(z[0], state_variances[0] + inflation[0] * r)
+            + _present(z[1], state_variances[1] + inflation[1] * r)
+            + _present(z[2], state_variances[2] + inflation[2] * r)
+            + _present(z[3], state_variances[3] + inflation[3] * self.r_heading)
         )
         seen = (
             _present(z[0], z[0] * z[0])
@@ -211,21 +211,21 @@ class RobustAdaptive(AttitudeFilter):
         )
         return expected / seen if seen > expected else 1.0
 
-    def correction(self, p: Mat4, rows: Mat4, z: Quat, inflation: Quat) -> tuple[Quat, Mat4]:
+    def correction(self, p: Mat4, jacobian: Mat4, z: Quat, inflation: Quat) -> tuple[Quat, Mat4]:
         """The correction of the quaternion, and the covariance after the rows in use, taken one after the other.
 
         With independent noises this equals (14) with all rows at once.
         """
         r = self.r_accel
         dq: Quat = (0.0, 0.0, 0.0, 0.0)
-        dq, p = _take_row(dq, p, rows[0], z[0], inflation[0] * r)
-        dq, p = _take_row(dq, p, rows[1], z[1], inflation[1] * r)
-        dq, p = _take_row(dq, p, rows[2], z[2], inflation[2] * r)
-        dq, p = _take_row(dq, p, rows[3], z[3], inflation[3] * self.r_heading)
+        dq, p = _fuse(dq, p, jacobian[0], z[0], inflation[0] * r)
+        dq, p = _fuse(dq, p, jacobian[1], z[1], inflation[1] * r)
+        dq, p = _fuse(dq, p, jacobian[2], z[2], inflation[2] * r)
+        dq, p = _fuse(dq, p, jacobian[3], z[3], inflation[3] * self.r_heading)
         return (dq, symmetric4(p))
 
 
-def _take_row(dq: Quat, p: Mat4, h: Quat, z: float, r: float) -> tuple[Quat, Mat4]:
+def _fuse(dq: Quat, p: Mat4, h: Quat, z: float, r: float) -> tuple[Quat, Mat4]:
     """Correction and covariance after one more row; z is its innovation before any correction."""
     if isinf(r):
         return (dq, p)
@@ -233,7 +233,7 @@ def _take_row(dq: Quat, p: Mat4, h: Quat, z: float, r: float) -> tuple[Quat, Mat
     return (add4(dq, scale4(gain, z - q_dot(h, dq))), p)
 
 
-def _misfit(z: float, variance: float, inflation: float) -> float:
+def _nominal_nis(z: float, variance: float, inflation: float) -> float:
     """Squared standardised innovation of a row that is not flagged, 0 for the others."""
     return z * z / variance if inflation == 1.0 else 0.0
 

@@ -32,7 +32,7 @@ def predicted_covariance(p: Mat4, turn: Quat, q: Quat, noise: float, q_step: flo
     return add_diagonal4(rank_one4(p, scale4(q, -noise), q), noise + q_step)
 
 
-def measurement_rows(q: Quat, vertical: bool) -> Mat4:
+def measurement_jacobian(q: Quat, vertical: bool) -> Mat4:
     """H, the derivatives of unit specific force and heading by the quaternion.
 
     ``vertical``: the heading row turns about the vertical only, so that a bad heading cannot tilt the attitude;
@@ -43,11 +43,11 @@ def measurement_rows(q: Quat, vertical: bool) -> Mat4:
         (2.0 * y, -2.0 * z, 2.0 * w, -2.0 * x),
         (-2.0 * x, -2.0 * w, -2.0 * z, -2.0 * y),
         (-2.0 * w, 2.0 * x, 2.0 * y, -2.0 * z),
-        (-2.0 * z, -2.0 * y, 2.0 * x, 2.0 * w) if vertical else _euler_heading_row(q),
+        (-2.0 * z, -2.0 * y, 2.0 * x, 2.0 * w) if vertical else _euler_heading_jacobian(q),
     )
 
 
-def _euler_heading_row(q: Quat) -> Quat:
+def _euler_heading_jacobian(q: Quat) -> Quat:
     """d psi / d q for psi = atan2(s, c)."""
     w, x, y, z = q
     s = 2.0 * (w * z + x * y)
@@ -83,13 +83,13 @@ def heading_innovation(q: Quat, mag: Vec3 | None, heading: float | None) -> floa
     return nan
 
 
-def row_variances(p: Mat4, rows: Mat4) -> Quat:
+def state_variances_of(p: Mat4, jacobian: Mat4) -> Quat:
     """Diagonal of H P H^T."""
     return (
-        quadratic4(p, rows[0]),
-        quadratic4(p, rows[1]),
-        quadratic4(p, rows[2]),
-        quadratic4(p, rows[3]),
+        quadratic4(p, jacobian[0]),
+        quadratic4(p, jacobian[1]),
+        quadratic4(p, jacobian[2]),
+        quadratic4(p, jacobian[3]),
     )
 
 

@@ -32,7 +32,7 @@ class RobustAdaptiveState(FilterState):
         innovation: Quat,
         inflation: Quat,
         alpha: float,
-        disagreement: float,
+        mean_nis: float,
         rejected_s: Quat,
     ) -> None:
         tilt, heading = attitude_variances(q_nb, covariance)
@@ -41,21 +41,19 @@ class RobustAdaptiveState(FilterState):
         self.innovation: Final = innovation
         self.inflation: Final = inflation
         self.alpha: Final = alpha
-        self.disagreement: Final = disagreement
+        self.mean_nis: Final = mean_nis
         self.rejected_s: Final = rejected_s
 
 
-def unmeasured(
-    q_nb: Quat, gyro_bias: Vec3, covariance: Mat4, disagreement: float, rejected_s: Quat
+def without_measurement(
+    q_nb: Quat, gyro_bias: Vec3, covariance: Mat4, mean_nis: float, rejected_s: Quat
 ) -> RobustAdaptiveState:
     """A state that no row has led to."""
     nothing: Quat = (nan, nan, nan, nan)
     absent: Quat = (inf, inf, inf, inf)
-    return RobustAdaptiveState(
-        q_nb, gyro_bias, False, False, covariance, nothing, absent, 1.0, disagreement, rejected_s
-    )
+    return RobustAdaptiveState(q_nb, gyro_bias, False, False, covariance, nothing, absent, 1.0, mean_nis, rejected_s)
 
 
-def held(before: RobustAdaptiveState) -> RobustAdaptiveState:
+def unchanged(before: RobustAdaptiveState) -> RobustAdaptiveState:
     """The state kept as it is."""
-    return unmeasured(before.q_nb, before.gyro_bias, before.covariance, before.disagreement, before.rejected_s)
+    return without_measurement(before.q_nb, before.gyro_bias, before.covariance, before.mean_nis, before.rejected_s)

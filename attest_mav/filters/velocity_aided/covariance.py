@@ -101,7 +101,7 @@ class Covariance:
 
 
 @mypyc_attr(acyclic=True)
-class Growth:
+class ProcessNoise:
     """What one step adds to the diagonal blocks: variances per axis. The delays are constant."""
 
     def __init__(self, t: float, v: float, b: float, a: float, m: float) -> None:
@@ -113,7 +113,7 @@ class Growth:
 
 
 @mypyc_attr(acyclic=True)
-class Row:
+class Measurement:
     """One scalar measurement, linear in the error: residual = t.theta + v.dv + b.db + m.dm + d.dd + noise.
 
     No measurement sees the accelerometer's bias directly.
@@ -137,10 +137,10 @@ class Row:
 
 
 @mypyc_attr(acyclic=True)
-class Reach:
+class CrossCovariance:
     """P h for one row, and ``variance`` = h^T P h: the part of the residual's variance that is the state's own."""
 
-    def __init__(self, t: Vec3, v: Vec3, b: Vec3, s: Vec3, a: Vec3, m: Vec3, d: Vec3, variance: float) -> None:
+    def __init__(self, t: Vec3, v: Vec3, b: Vec3, s: Vec3, a: Vec3, m: Vec3, d: Vec3, state_variance: float) -> None:
         self.t: Final = t
         self.v: Final = v
         self.b: Final = b
@@ -148,46 +148,46 @@ class Reach:
         self.a: Final = a
         self.m: Final = m
         self.d: Final = d
-        self.variance: Final = variance
+        self.state_variance: Final = state_variance
 
 
-def propagated(p: Covariance, turn: Mat3, push: Vec3, rate: Vec3, growth: Growth) -> Covariance:
+def propagated(p: Covariance, rotation_dt: Mat3, delta_velocity: Vec3, rate: Vec3, noise: ProcessNoise) -> Covariance:
     """P after a step: t' = t - turn e, v' = v - [push]x t' - turn a; turn = C dt, push = C f dt, e = b + W s.
 
     rate: rad/s, the diagonal of W. Written row by row: first the rows of t, then those of v, then what t' and v' have
     with themselves.
     """
     bs_t = transpose(p.bs)
-    tb = minus_mul(p.tb, turn, plus_scaled_rows(p.bb, rate, bs_t))
-    ts = minus_mul(p.ts, turn, plus_scaled_rows(p.bs, rate, p.ss))
-    ta = minus_mul(p.ta, turn, plus_scaled_rows(p.ba, rate, p.sa))
-    tm = minus_mul(p.tm, turn, plus_scaled_rows(p.bm, rate, p.sm))
-    td = minus_mul(p.td, turn, plus_scaled_rows(p.bd, rate, p.sd))
-    t_old_v = minus_mul(p.tv, turn, plus_scaled_rows(transpose(p.vb), rate, transpose(p.vs)))
-    t_old_t = minus_mul(p.tt, turn, plus_scaled_rows(transpose(p.tb), rate, transpose(p.ts)))
+    tb = minus_mul(p.tb, rotation_dt, plus_scaled_rows(p.bb, rate, bs_t))
+    ts = minus_mul(p.ts, rotation_dt, plus_scaled_rows(p.bs, rate, p.ss))
+    ta = minus_mul(p.ta, rotation_dt, plus_scaled_rows(p.ba, rate, p.sa))
+    tm = minus_mul(p.tm, rotation_dt, plus_scaled_rows(p.bm, rate, p.sm))
+    td = minus_mul(p.td, rotation_dt, plus_scaled_rows(p.bd, rate, p.sd))
+    t_old_v = minus_mul(p.tv, rotation_dt, plus_scaled_rows(transpose(p.vb), rate, transpose(p.vs)))
+    t_old_t = minus_mul(p.tt, rotation_dt, plus_scaled_rows(transpose(p.tb), rate, transpose(p.ts)))
     te = transpose(plus_scaled_rows(transpose(tb), rate, transpose(ts)))
-    tt = minus_mul_t(t_old_t, te, turn)
-    vb = minus_mul_t(minus_cross(p.vb, push, tb), turn, p.ba)
-    vs = minus_mul_t(minus_cross(p.vs, push, ts), turn, p.sa)
-    va = minus_mul(minus_cross(p.va, push, ta), turn, p.aa)
-    vm = minus_mul(minus_cross(p.vm, push, tm), turn, p.am)
-    vd = minus_mul(minus_cross(p.vd, push, td), turn, p.ad)
-    vt = minus_mul_t(minus_cross(transpose(t_old_v), push, tt), turn, ta)
-    v_old_v = minus_mul_t(minus_cross(p.vv, push, t_old_v), turn, p.va)
+    tt = minus_mul_t(t_old_t, te, rotation_dt)
+    vb = minus_mul_t(minus_cross(p.vb, delta_velocity, tb), rotation_dt, p.ba)
+    vs = minus_mul_t(minus_cross(p.vs, delta_velocity, ts), rotation_dt, p.sa)
+    va = minus_mul(minus_cross(p.va, delta_velocity, ta), rotation_dt, p.aa)
+    vm = minus_mul(minus_cross(p.vm, delta_velocity, tm), rotation_dt, p.am)
+    vd = minus_mul(minus_cross(p.vd, delta_velocity, td), rotation_dt, p.ad)
+    vt = minus_mul_t(minus_cross(transpose(t_old_v), delta_velocity, tt), rotation_dt, ta)
+    v_old_v = minus_mul_t(minus_cross(p.vv, delta_velocity, t_old_v), rotation_dt, p.va)
     tv = transpose(vt)
-    vv = minus_mul_t(transpose(minus_cross(transpose(v_old_v), push, tv)), va, turn)
+    vv = minus_mul_t(transpose(minus_cross(transpose(v_old_v), delta_velocity, tv)), va, rotation_dt)
     return Covariance(
-        add_diagonal(symmetric(tt), growth.t), tv, tb, ts, ta, tm, td,
-        add_diagonal(symmetric(vv), growth.v), vb, vs, va, vm, vd,
-        add_diagonal(p.bb, growth.b), p.bs, p.ba, p.bm, p.bd,
+        add_diagonal(symmetric(tt), noise.t), tv, tb, ts, ta, tm, td,
+        add_diagonal(symmetric(vv), noise.v), vb, vs, va, vm, vd,
+        add_diagonal(p.bb, noise.b), p.bs, p.ba, p.bm, p.bd,
         p.ss, p.sa, p.sm, p.sd,
-        add_diagonal(p.aa, growth.a), p.am, p.ad,
-        add_diagonal(p.mm, growth.m), p.md,
+        add_diagonal(p.aa, noise.a), p.am, p.ad,
+        add_diagonal(p.mm, noise.m), p.md,
         p.dd,
     )  # fmt: skip
 
 
-def reach(p: Covariance, h: Row) -> Reach:
+def cross_covariance(p: Covariance, h: Measurement) -> CrossCovariance:
     """P h, block by block."""
     t = _sum5(mat_vec(p.tt, h.t), mat_vec(p.tv, h.v), mat_vec(p.tb, h.b), mat_vec(p.tm, h.m), mat_vec(p.td, h.d))
     v = _sum5(mat_t_vec(p.tv, h.t), mat_vec(p.vv, h.v), mat_vec(p.vb, h.b), mat_vec(p.vm, h.m), mat_vec(p.vd, h.d))
@@ -198,10 +198,10 @@ def reach(p: Covariance, h: Row) -> Reach:
     d = _sum5(
         mat_t_vec(p.td, h.t), mat_t_vec(p.vd, h.v), mat_t_vec(p.bd, h.b), mat_t_vec(p.md, h.m), mat_vec(p.dd, h.d)
     )
-    return Reach(t, v, b, s, a, m, d, dot(h.t, t) + dot(h.v, v) + dot(h.b, b) + dot(h.m, m) + dot(h.d, d))
+    return CrossCovariance(t, v, b, s, a, m, d, dot(h.t, t) + dot(h.v, v) + dot(h.b, b) + dot(h.m, m) + dot(h.d, d))
 
 
-def corrected(p: Covariance, g: Reach, k: float) -> Covariance:
+def updated_covariance(p: Covariance, g: CrossCovariance, k: float) -> Covariance:
     """P - (P h)(P h)^T k, with k = 1/(h^T P h + r): the covariance after a row of noise variance r."""
     t, v, b, s, a, m = scale(g.t, k), scale(g.v, k), scale(g.b, k), scale(g.s, k), scale(g.a, k), scale(g.m, k)
     return Covariance(
@@ -218,7 +218,7 @@ def corrected(p: Covariance, g: Reach, k: float) -> Covariance:
     )  # fmt: skip
 
 
-def considered(before: Covariance, p: Covariance) -> Covariance:
+def with_sensor_blocks_of(before: Covariance, p: Covariance) -> Covariance:
     """p with what all errors of the sensors but the gyro's bias have among themselves as it was before."""
     return Covariance(
         p.tt, p.tv, p.tb, p.ts, p.ta, p.tm, p.td,

@@ -20,66 +20,68 @@ FUTURE_NS: Final = 50_000_000
 
 
 @mypyc_attr(acyclic=True)
-class Point:
+class HistoryPoint:
     """``gain``: integral of the specific force in NED from some origin to ``t_ns``, m/s."""
 
-    def __init__(self, t_ns: int, gain: Vec3) -> None:
+    def __init__(self, t_ns: int, delta_velocity: Vec3) -> None:
         self.t_ns: Final = t_ns
-        self.gain: Final = gain
+        self.delta_velocity: Final = delta_velocity
 
 
 @mypyc_attr(acyclic=True)
-class Track:
+class DeltaVelocityHistory:
     """``points`` are old to new, at most ``LENGTH_NS / SPACING_NS`` and two; ``head`` is the present."""
 
-    def __init__(self, points: tuple[Point, ...], head: Point) -> None:
+    def __init__(self, points: tuple[HistoryPoint, ...], newest: HistoryPoint) -> None:
         self.points: Final = points
-        self.head: Final = head
+        self.newest: Final = newest
 
 
 @mypyc_attr(acyclic=True)
-class Since:
+class Lookback:
     """What happened since an instant: the gain of specific force, m/s, its age, and the force of then, m/s^2; NED."""
 
-    def __init__(self, gain: Vec3, age_s: float, force: Vec3) -> None:
-        self.gain: Final = gain
+    def __init__(self, delta_velocity: Vec3, age_s: float, specific_force: Vec3) -> None:
+        self.delta_velocity: Final = delta_velocity
         self.age_s: Final = age_s
-        self.force: Final = force
+        self.specific_force: Final = specific_force
 
 
-def begun(t_ns: int) -> Track:
+def empty_history(t_ns: int) -> DeltaVelocityHistory:
     """An empty history that begins now."""
-    return Track((), Point(t_ns, (0.0, 0.0, 0.0)))
+    return DeltaVelocityHistory((), HistoryPoint(t_ns, (0.0, 0.0, 0.0)))
 
 
-def longer(track: Track, t_ns: int, push: Vec3) -> Track:
+def appended(history: DeltaVelocityHistory, t_ns: int, delta_velocity: Vec3) -> DeltaVelocityHistory:
     """The history with one more step, whose specific force integrates to ``push`` (NED, m/s).
 
     A clock that does not go on, as one of 32 bits that has wrapped, begins a new one.
     """
-    if t_ns <= track.head.t_ns:
-        return begun(t_ns)
-    points = track.points
-    if not points or track.head.t_ns - points[-1].t_ns >= SPACING_NS:
-        points = (*points, track.head)
+    if t_ns <= history.newest.t_ns:
+        return empty_history(t_ns)
+    points = history.points
+    if not points or history.newest.t_ns - points[-1].t_ns >= SPACING_NS:
+        points = (*points, history.newest)
         while len(points) > 1 and t_ns - points[1].t_ns > LENGTH_NS:
             points = points[1:]
-    return Track(points, Point(t_ns, add(track.head.gain, push)))
+    return DeltaVelocityHistory(points, HistoryPoint(t_ns, add(history.newest.delta_velocity, delta_velocity)))
 
 
-def since(track: Track, t_ns: int) -> Since | None:
+def look_back(history: DeltaVelocityHistory, t_ns: int) -> Lookback | None:
     """What happened since ``t_ns``, None if that is before the history. The near future counts as now."""
-    newer = track.head
+    newer = history.newest
     if t_ns > newer.t_ns:
         if t_ns > newer.t_ns + FUTURE_NS:
             return None
         t_ns = newer.t_ns
-    for i in range(len(track.points) - 1, -1, -1):
-        older = track.points[i]
+    for i in range(len(history.points) - 1, -1, -1):
+        older = history.points[i]
         if older.t_ns <= t_ns:
             span_s = (newer.t_ns - older.t_ns) * 1e-9
-            force = scale(sub(newer.gain, older.gain), 1.0 / span_s)
-            then = add(older.gain, scale(force, (t_ns - older.t_ns) * 1e-9))
-            return Since(sub(track.head.gain, then), (track.head.t_ns - t_ns) * 1e-9, force)
+            specific_force = scale(sub(newer.delta_velocity, older.delta_velocity), 1.0 / span_s)
+            then = add(older.delta_velocity, scale(specific_force, (t_ns - older.t_ns) * 1e-9))
+            return Lookback(
+                sub(history.newest.delta_velocity, then), (history.newest.t_ns - t_ns) * 1e-9, specific_force
+            )
         newer = older
     return None

@@ -8,13 +8,13 @@ from mypy_extensions import mypyc_attr
 from attest_mav.algebra import add, clamp, dot, q_exp, q_mul, q_norm, q_unit, scale
 from attest_mav.filters.velocity_aided.covariance import (
     Covariance,
-    Growth,
-    Reach,
-    Row,
-    considered,
-    corrected,
+    CrossCovariance,
+    Measurement,
+    ProcessNoise,
+    cross_covariance,
     propagated,
-    reach,
+    updated_covariance,
+    with_sensor_blocks_of,
 )
 from attest_mav.matrices import floor_diagonal, no_negative_variance
 from attest_mav.types import Mat3, Quat, Vec3
@@ -24,7 +24,7 @@ LONGEST_DELAY_S: Final = 0.4
 
 
 @mypyc_attr(acyclic=True)
-class Motion:
+class NavigationState:
     """The estimate at the time of an inertial sample.
 
     q_nb: body to NED. It is the attitude that the low-passed sensors see, which lags the true one by the low-pass.
@@ -65,13 +65,13 @@ class Motion:
         return sqrt(max(0.0, self.p.tt[2][2]))
 
 
-STILL_RATE: Final = 0.05
+DEADBAND_RATE: Final = 0.05
 """rad/s: of a turn slower than this no more is seen than noise."""
-STILL_ACCEL: Final = 0.5
+DEADBAND_ACCEL: Final = 0.5
 """m/s^2: the same of an acceleration."""
 
 
-def shown(v: Vec3, least: float) -> Vec3:
+def deadband(v: Vec3, least: float) -> Vec3:
     """v, or zero where it is too small to be more than noise.
 
     What multiplies an error in a row or a step must be motion: noise would explain itself by it, and in hours at rest
@@ -80,16 +80,16 @@ def shown(v: Vec3, least: float) -> Vec3:
     return v if dot(v, v) > least * least else (0.0, 0.0, 0.0)
 
 
-def rate_of(motion: Motion, gyro: Vec3) -> Vec3:
+def body_rate(nav: NavigationState, gyro: Vec3) -> Vec3:
     """The body's rate at this gyro reading, rad/s: without bias and scale error."""
     x, y, z = gyro
-    b, s = motion.gyro_bias, motion.gyro_scale
+    b, s = nav.gyro_bias, nav.gyro_scale
     return (x - b[0] - s[0] * x, y - b[1] - s[1] * y, z - b[2] - s[2] * z)
 
 
-def is_sound(motion: Motion) -> bool:
+def is_sound(nav: NavigationState) -> bool:
     """True while the numbers mean something: variances that are not negative, and a quaternion of unit length."""
-    p = motion.p
+    p = nav.p
     return (
         no_negative_variance(p.tt)
         and no_negative_variance(p.vv)
@@ -98,86 +98,111 @@ def is_sound(motion: Motion) -> bool:
         and no_negative_variance(p.aa)
         and no_negative_variance(p.mm)
         and no_negative_variance(p.dd)
-        and 0.5 < q_norm(motion.q_nb) < 2.0
+        and 0.5 < q_norm(nav.q_nb) < 2.0
     )
 
 
-def moved(motion: Motion, q_nb: Quat, velocity: Vec3, turn: Mat3, push: Vec3, rate: Vec3, growth: Growth) -> Motion:
+def predicted(
+    nav: NavigationState,
+    q_nb: Quat,
+    velocity: Vec3,
+    rotation_dt: Mat3,
+    delta_velocity: Vec3,
+    rate: Vec3,
+    noise: ProcessNoise,
+) -> NavigationState:
     """The motion after a step that led to this attitude and velocity; the rest as in ``propagated``."""
-    return Motion(
+    return NavigationState(
         q_nb,
         velocity,
-        motion.gyro_bias,
-        motion.gyro_scale,
-        motion.accel_bias,
-        motion.hard_iron,
-        motion.delays,
-        propagated(motion.p, turn, push, rate, growth),
+        nav.gyro_bias,
+        nav.gyro_scale,
+        nav.accel_bias,
+        nav.hard_iron,
+        nav.delays,
+        propagated(nav.p, rotation_dt, delta_velocity, rate, noise),
     )
 
 
-def reach_of(motion: Motion, row: Row) -> Reach:
+def cross_covariance_of(nav: NavigationState, measurement: Measurement) -> CrossCovariance:
     """What the state contributes to the row's residual."""
-    return reach(motion.p, row)
+    return cross_covariance(nav.p, measurement)
 
 
-def updated(motion: Motion, row: Row, seen: Reach, variance: float) -> Motion:
+def update(
+    nav: NavigationState, measurement: Measurement, cross_cov: CrossCovariance, variance: float
+) -> NavigationState:
     """The motion after one scalar measurement with this noise variance; ``seen`` is ``reach_of`` it."""
-    k = 1.0 / (seen.variance + variance)
-    return _turned_to(motion, seen, k * row.residual, corrected(motion.p, seen, k))
+    k = 1.0 / (cross_cov.state_variance + variance)
+    return _corrected(nav, cross_cov, k * measurement.residual, updated_covariance(nav.p, cross_cov, k))
 
 
-def supposed(motion: Motion, row: Row, seen: Reach, variance: float) -> Motion:
+def consider_update(
+    nav: NavigationState, measurement: Measurement, cross_cov: CrossCovariance, variance: float
+) -> NavigationState:
     """The motion after a row that teaches nothing of the sensors but the gyro's bias.
 
     That is for one which is only supposed to be true, because what it is wrong by lasts and would be taken for
     theirs; and for any during a long rest, which shows the same again and again. They stay as they are and as
     doubtful, and the rest allows for that (Schmidt's filter).
     """
-    k = 1.0 / (seen.variance + variance)
+    k = 1.0 / (cross_cov.state_variance + variance)
     zero: Vec3 = (0.0, 0.0, 0.0)
-    taught = Reach(seen.t, seen.v, seen.b, zero, zero, zero, zero, seen.variance)
-    return _turned_to(motion, taught, k * row.residual, considered(motion.p, corrected(motion.p, seen, k)))
+    without_sensors = CrossCovariance(
+        cross_cov.t, cross_cov.v, cross_cov.b, zero, zero, zero, zero, cross_cov.state_variance
+    )
+    return _corrected(
+        nav,
+        without_sensors,
+        k * measurement.residual,
+        with_sensor_blocks_of(nav.p, updated_covariance(nav.p, cross_cov, k)),
+    )
 
 
-def taken(motion: Motion, row: Row, seen: Reach, variance: float, teaches: bool) -> Motion:
+def fuse(
+    nav: NavigationState, measurement: Measurement, cross_cov: CrossCovariance, variance: float, estimates_sensors: bool
+) -> NavigationState:
     """The motion after a measurement, which teaches something of the sensors or not."""
-    return updated(motion, row, seen, variance) if teaches else supposed(motion, row, seen, variance)
+    return (
+        update(nav, measurement, cross_cov, variance)
+        if estimates_sensors
+        else consider_update(nav, measurement, cross_cov, variance)
+    )
 
 
-def _turned_to(motion: Motion, seen: Reach, gain: float, p: Covariance) -> Motion:
-    return Motion(
-        q_unit(q_mul(q_exp(scale(seen.t, 0.5 * gain)), motion.q_nb)),
-        add(motion.velocity, scale(seen.v, gain)),
-        add(motion.gyro_bias, scale(seen.b, gain)),
-        add(motion.gyro_scale, scale(seen.s, gain)),
-        add(motion.accel_bias, scale(seen.a, gain)),
-        add(motion.hard_iron, scale(seen.m, gain)),
-        _possible(add(motion.delays, scale(seen.d, gain))),
+def _corrected(nav: NavigationState, cross_cov: CrossCovariance, gain: float, p: Covariance) -> NavigationState:
+    return NavigationState(
+        q_unit(q_mul(q_exp(scale(cross_cov.t, 0.5 * gain)), nav.q_nb)),
+        add(nav.velocity, scale(cross_cov.v, gain)),
+        add(nav.gyro_bias, scale(cross_cov.b, gain)),
+        add(nav.gyro_scale, scale(cross_cov.s, gain)),
+        add(nav.accel_bias, scale(cross_cov.a, gain)),
+        add(nav.hard_iron, scale(cross_cov.m, gain)),
+        _clamped(add(nav.delays, scale(cross_cov.d, gain))),
         p,
     )
 
 
-def _possible(delays: Vec3) -> Vec3:
+def _clamped(delays: Vec3) -> Vec3:
     """The delays as they can be: what is not measured yet, or long forgotten, would match no row ever again."""
     return (clamp(delays[0], 0.0, LONGEST_DELAY_S), clamp(delays[1], 0.0, LONGEST_DELAY_S), delays[2])
 
 
-def with_variances(motion: Motion, bias_floor: float, heading_growth: float) -> Motion:
+def with_variances(nav: NavigationState, bias_floor: float, heading_growth: float) -> NavigationState:
     """The same motion, its gyro bias known no better than ``bias_floor`` and its heading less by ``heading_growth``.
 
     Both are variances, (rad/s)^2 and rad^2.
     """
-    p = motion.p
+    p = nav.p
     (a, b, c), (d, e, f), (g, h, i) = p.tt
-    return Motion(
-        motion.q_nb,
-        motion.velocity,
-        motion.gyro_bias,
-        motion.gyro_scale,
-        motion.accel_bias,
-        motion.hard_iron,
-        motion.delays,
+    return NavigationState(
+        nav.q_nb,
+        nav.velocity,
+        nav.gyro_bias,
+        nav.gyro_scale,
+        nav.accel_bias,
+        nav.hard_iron,
+        nav.delays,
         Covariance(
             ((a, b, c), (d, e, f), (g, h, i + heading_growth)), p.tv, p.tb, p.ts, p.ta, p.tm, p.td,
             p.vv, p.vb, p.vs, p.va, p.vm, p.vd,
@@ -187,18 +212,18 @@ def with_variances(motion: Motion, bias_floor: float, heading_growth: float) -> 
     )  # fmt: skip
 
 
-def with_fix_delay(motion: Motion, delay_s: float, sigma_s: float) -> Motion:
+def with_fix_delay(nav: NavigationState, delay_s: float, sigma_s: float) -> NavigationState:
     """The same motion with fixes from another source: their delay is new, and nothing is known to depend on it."""
-    p = motion.p
-    mag, _, north = motion.delays
+    p = nav.p
+    mag, _, north = nav.delays
     (d1, _, d3), _, (d7, _, d9) = p.dd
-    return Motion(
-        motion.q_nb,
-        motion.velocity,
-        motion.gyro_bias,
-        motion.gyro_scale,
-        motion.accel_bias,
-        motion.hard_iron,
+    return NavigationState(
+        nav.q_nb,
+        nav.velocity,
+        nav.gyro_bias,
+        nav.gyro_scale,
+        nav.accel_bias,
+        nav.hard_iron,
         (mag, delay_s, north),
         Covariance(
             p.tt, p.tv, p.tb, p.ts, p.ta, p.tm, _without_middle(p.td),

@@ -11,9 +11,16 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import add, is_finite, mat_vec, norm, q_exp, q_mul, q_to_matrix, q_unit, scale, sub
-from attest_mav.filters.velocity_aided.covariance import Growth
-from attest_mav.filters.velocity_aided.history import Track, longer
-from attest_mav.filters.velocity_aided.nav_state import STILL_ACCEL, STILL_RATE, Motion, moved, rate_of, shown
+from attest_mav.filters.velocity_aided.covariance import ProcessNoise
+from attest_mav.filters.velocity_aided.history import DeltaVelocityHistory, appended
+from attest_mav.filters.velocity_aided.nav_state import (
+    DEADBAND_ACCEL,
+    DEADBAND_RATE,
+    NavigationState,
+    body_rate,
+    deadband,
+    predicted,
+)
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.matrices import mat_add, mat_scale
 from attest_mav.types import ImuSample, Mat3, Vec3
@@ -30,14 +37,14 @@ SATURATED_ACCEL: Final = 20.0
 
 LOST_HEADING: Final = 0.4
 """rad: a heading less certain than this is lost."""
-BENT_S: Final = 0.2
+HEADING_NOISE_INTERVAL_S: Final = 0.2
 """What a lost heading bends is counted once in this time, as if it were new each time."""
-UNEVEN: Final = 1.5
+MAX_STEP_RATIO: Final = 1.5
 """Steps are even while neither is longer than the other by this factor."""
 
 
 @mypyc_attr(acyclic=True)
-class Strapdown:
+class ImuMemory:
     """What dead reckoning remembers from one sample to the next.
 
     gyro, accel: the last readings, rad/s and m/s^2. change_w, change_f: their differences from those before. dt_s: the
@@ -49,23 +56,23 @@ class Strapdown:
         self,
         gyro: Vec3,
         accel: Vec3,
-        change_w: Vec3,
-        change_f: Vec3,
+        gyro_change: Vec3,
+        accel_change: Vec3,
         dt_s: float,
-        force: Vec3,
-        unrest_w: float,
-        unrest_f: float,
-        track: Track,
+        specific_force: Vec3,
+        gyro_aliasing: float,
+        accel_aliasing: float,
+        history: DeltaVelocityHistory,
     ) -> None:
         self.gyro: Final = gyro
         self.accel: Final = accel
-        self.change_w: Final = change_w
-        self.change_f: Final = change_f
+        self.gyro_change: Final = gyro_change
+        self.accel_change: Final = accel_change
         self.dt_s: Final = dt_s
-        self.force: Final = force
-        self.unrest_w: Final = unrest_w
-        self.unrest_f: Final = unrest_f
-        self.track: Final = track
+        self.specific_force: Final = specific_force
+        self.gyro_aliasing: Final = gyro_aliasing
+        self.accel_aliasing: Final = accel_aliasing
+        self.history: Final = history
 
 
 @mypyc_attr(acyclic=True)
@@ -100,70 +107,97 @@ def _middle(x: float, unit: float) -> float:
     return x + 0.5 * unit if x > 0.0 else x - 0.5 * unit if x < 0.0 else 0.0
 
 
-def specific_force(motion: Motion, accel: Vec3) -> Vec3:
+def specific_force_ned(nav: NavigationState, accel: Vec3) -> Vec3:
     """C (f - a), NED, m/s^2."""
-    return mat_vec(q_to_matrix(motion.q_nb), sub(accel, motion.accel_bias))
+    return mat_vec(q_to_matrix(nav.q_nb), sub(accel, nav.accel_bias))
 
 
-def advanced(
-    motion: Motion,
-    memory: Strapdown,
+def predict(
+    nav: NavigationState,
+    memory: ImuMemory,
     reading: Reading,
     dt_s: float,
     t_ns: int,
     aided: bool,
-    settings: FlightParameters,
-) -> tuple[Motion, Strapdown]:
+    parameters: FlightParameters,
+) -> tuple[NavigationState, ImuMemory]:
     """Motion and memory ``dt_s`` later, at the reading taken then. aided: velocity fixes arrive, which have a north."""
-    shape = _shape(memory, reading, dt_s)
-    rate = rate_of(motion, sub(scale(add(memory.gyro, reading.gyro), 0.5), shape.arch))
-    before = q_to_matrix(motion.q_nb)
-    q_nb = q_unit(q_mul(motion.q_nb, q_exp(scale(rate, 0.5 * dt_s))))
+    three_point = _three_point(memory, reading, dt_s)
+    rate = body_rate(nav, sub(scale(add(memory.gyro, reading.gyro), 0.5), three_point.trapezoid_excess))
+    before = q_to_matrix(nav.q_nb)
+    q_nb = q_unit(q_mul(nav.q_nb, q_exp(scale(rate, 0.5 * dt_s))))
     after = q_to_matrix(q_nb)
-    force = mat_vec(after, sub(reading.accel, motion.accel_bias))
-    push = scale(add(memory.force, force), 0.5 * dt_s)
-    velocity = add(motion.velocity, (push[0], push[1], push[2] + settings.gravity * dt_s))
-    turn: Mat3 = mat_scale(mat_add(before, after), 0.5 * dt_s)
-    fade = exp(-dt_s / settings.aliasing_hold_s)
-    unrest_w = max(SATURATED_RATE if reading.saturated else shape.bend_w, fade * memory.unrest_w)
-    unrest_f = max(SATURATED_ACCEL if reading.saturated else shape.bend_f, fade * memory.unrest_f)
-    bent = _bent(push, motion.heading_sigma, dt_s) if aided else 0.0
-    growth = _growth(norm(rate), unrest_w, unrest_f, bent, dt_s, settings)
-    track = longer(memory.track, t_ns, push)
-    after_step = Strapdown(
-        reading.gyro, reading.accel, shape.change_w, shape.change_f, dt_s, force, unrest_w, unrest_f, track
+    specific_force = mat_vec(after, sub(reading.accel, nav.accel_bias))
+    delta_velocity = scale(add(memory.specific_force, specific_force), 0.5 * dt_s)
+    velocity = add(nav.velocity, (delta_velocity[0], delta_velocity[1], delta_velocity[2] + parameters.gravity * dt_s))
+    rotation_dt: Mat3 = mat_scale(mat_add(before, after), 0.5 * dt_s)
+    fade = exp(-dt_s / parameters.aliasing_hold_s)
+    gyro_aliasing = max(
+        SATURATED_RATE if reading.saturated else three_point.gyro_second_difference, fade * memory.gyro_aliasing
     )
-    gained = shown(sub(velocity, motion.velocity), STILL_ACCEL * dt_s)
-    seen_push = (gained[0], gained[1], gained[2] - settings.gravity * dt_s)
-    return moved(motion, q_nb, velocity, turn, seen_push, shown(rate, STILL_RATE), growth), after_step
+    accel_aliasing = max(
+        SATURATED_ACCEL if reading.saturated else three_point.accel_second_difference, fade * memory.accel_aliasing
+    )
+    heading_noise = _nonlinear_heading_noise(delta_velocity, nav.heading_sigma, dt_s) if aided else 0.0
+    noise = _process_noise(norm(rate), gyro_aliasing, accel_aliasing, heading_noise, dt_s, parameters)
+    history = appended(memory.history, t_ns, delta_velocity)
+    after_step = ImuMemory(
+        reading.gyro,
+        reading.accel,
+        three_point.gyro_change,
+        three_point.accel_change,
+        dt_s,
+        specific_force,
+        gyro_aliasing,
+        accel_aliasing,
+        history,
+    )
+    velocity_change = deadband(sub(velocity, nav.velocity), DEADBAND_ACCEL * dt_s)
+    moving_delta_velocity = (velocity_change[0], velocity_change[1], velocity_change[2] - parameters.gravity * dt_s)
+    return predicted(
+        nav, q_nb, velocity, rotation_dt, moving_delta_velocity, deadband(rate, DEADBAND_RATE), noise
+    ), after_step
 
 
 @mypyc_attr(acyclic=True)
-class Shape:
+class ThreePoint:
     """How the readings go on: their changes, how sharply they bend (second differences), and ``arch``.
 
     arch: what the trapezoid has too much of a rate that bends evenly, rad/s: the three-point rule of Adams and Moulton
     is (5 w2 + 8 w1 - w0) / 12.
     """
 
-    def __init__(self, change_w: Vec3, change_f: Vec3, bend_w: float, bend_f: float, arch: Vec3) -> None:
-        self.change_w: Final = change_w
-        self.change_f: Final = change_f
-        self.bend_w: Final = bend_w
-        self.bend_f: Final = bend_f
-        self.arch: Final = arch
+    def __init__(
+        self,
+        gyro_change: Vec3,
+        accel_change: Vec3,
+        gyro_second_difference: float,
+        accel_second_difference: float,
+        trapezoid_excess: Vec3,
+    ) -> None:
+        self.gyro_change: Final = gyro_change
+        self.accel_change: Final = accel_change
+        self.gyro_second_difference: Final = gyro_second_difference
+        self.accel_second_difference: Final = accel_second_difference
+        self.trapezoid_excess: Final = trapezoid_excess
 
 
-def _shape(memory: Strapdown, reading: Reading, dt_s: float) -> Shape:
+def _three_point(memory: ImuMemory, reading: Reading, dt_s: float) -> ThreePoint:
     """The shape at this reading. Uneven steps have no rule of three points."""
-    change_w, change_f = sub(reading.gyro, memory.gyro), sub(reading.accel, memory.accel)
-    bend = sub(change_w, memory.change_w)
-    even = UNEVEN * dt_s > memory.dt_s > dt_s / UNEVEN
-    arch: Vec3 = scale(bend, 1.0 / 12.0) if even else (0.0, 0.0, 0.0)
-    return Shape(change_w, change_f, norm(bend), norm(sub(change_f, memory.change_f)), arch)
+    gyro_change, accel_change = sub(reading.gyro, memory.gyro), sub(reading.accel, memory.accel)
+    second_difference = sub(gyro_change, memory.gyro_change)
+    even = MAX_STEP_RATIO * dt_s > memory.dt_s > dt_s / MAX_STEP_RATIO
+    trapezoid_excess: Vec3 = scale(second_difference, 1.0 / 12.0) if even else (0.0, 0.0, 0.0)
+    return ThreePoint(
+        gyro_change,
+        accel_change,
+        norm(second_difference),
+        norm(sub(accel_change, memory.accel_change)),
+        trapezoid_excess,
+    )
 
 
-def _bent(push: Vec3, heading_sigma: float, dt_s: float) -> float:
+def _nonlinear_heading_noise(delta_velocity: Vec3, heading_sigma: float, dt_s: float) -> float:
     """Variance of what a lost heading does to the velocity beyond what is linear in its error, (m/s)^2.
 
     A push p turned by an angle h is off by p h, and p h^2 / 2 across that: without a magnetometer this is most of it
@@ -172,33 +206,44 @@ def _bent(push: Vec3, heading_sigma: float, dt_s: float) -> float:
     if heading_sigma < LOST_HEADING:
         return 0.0
     across = 0.5 * min(heading_sigma, pi) ** 2
-    return (push[0] * push[0] + push[1] * push[1]) * across * across * BENT_S / dt_s
-
-
-def _growth(
-    rate: float, unrest_w: float, unrest_f: float, bent: float, dt_s: float, settings: FlightParameters
-) -> Growth:
-    """The noise of a step at this rate, rad/s."""
-    return Growth(
-        (settings.gyro_noise + settings.gyro_rate_noise * rate) ** 2 * dt_s
-        + (settings.gyro_aliasing * unrest_w * dt_s) ** 2,
-        settings.accel_noise**2 * dt_s + (settings.accel_aliasing * unrest_f * dt_s) ** 2 + bent,
-        settings.gyro_bias_walk**2 * dt_s,
-        settings.accel_bias_walk**2 * dt_s if settings.accel_bias_sigma > 0.0 else 0.0,
-        settings.hard_iron_walk**2 * dt_s if settings.hard_iron > 0.0 else 0.0,
+    return (
+        (delta_velocity[0] * delta_velocity[0] + delta_velocity[1] * delta_velocity[1])
+        * across
+        * across
+        * HEADING_NOISE_INTERVAL_S
+        / dt_s
     )
 
 
-def turned_memory(memory: Strapdown, motion: Motion) -> Strapdown:
+def _process_noise(
+    rate: float,
+    gyro_aliasing: float,
+    accel_aliasing: float,
+    heading_noise: float,
+    dt_s: float,
+    parameters: FlightParameters,
+) -> ProcessNoise:
+    """The noise of a step at this rate, rad/s."""
+    return ProcessNoise(
+        (parameters.gyro_noise + parameters.gyro_rate_noise * rate) ** 2 * dt_s
+        + (parameters.gyro_aliasing * gyro_aliasing * dt_s) ** 2,
+        parameters.accel_noise**2 * dt_s + (parameters.accel_aliasing * accel_aliasing * dt_s) ** 2 + heading_noise,
+        parameters.gyro_bias_walk**2 * dt_s,
+        parameters.accel_bias_walk**2 * dt_s if parameters.accel_bias_sigma > 0.0 else 0.0,
+        parameters.hard_iron_walk**2 * dt_s if parameters.hard_iron > 0.0 else 0.0,
+    )
+
+
+def with_attitude(memory: ImuMemory, nav: NavigationState) -> ImuMemory:
     """The memory after the attitude was corrected: the last specific force as the corrected attitude sees it."""
-    return Strapdown(
+    return ImuMemory(
         memory.gyro,
         memory.accel,
-        memory.change_w,
-        memory.change_f,
+        memory.gyro_change,
+        memory.accel_change,
         memory.dt_s,
-        specific_force(motion, memory.accel),
-        memory.unrest_w,
-        memory.unrest_f,
-        memory.track,
+        specific_force_ned(nav, memory.accel),
+        memory.gyro_aliasing,
+        memory.accel_aliasing,
+        memory.history,
     )

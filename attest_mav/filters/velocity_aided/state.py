@@ -7,7 +7,7 @@ from mypy_extensions import mypyc_attr
 
 from attest_mav.filters.base import FilterState
 from attest_mav.filters.velocity_aided.alignment.collect import Alignment
-from attest_mav.filters.velocity_aided.control import Aid, Flying
+from attest_mav.filters.velocity_aided.control import AidingMode, Navigation
 from attest_mav.types import North, Quat, Vec3
 
 NORTH_LOST: Final = 0.5
@@ -18,11 +18,11 @@ NORTH_LOST: Final = 0.5
 class VelocityAidedState(FilterState):
     """State after a step.
 
-    alignment: what it has collected while it aligns, None while it flies. flying: the estimate, which an alignment
-    after a gap keeps for what it knows of the sensors; None before the first. Its ``fixes`` and ``compass`` hold
-    the innovations. gap_s: time since the estimate was given up. contested: it was, because the fixes contradicted it.
-    doubt: rad, part of the sigmas, and fading, see ``velocity_aided.DOUBT_S``. While it aligns the sigmas are pi, and
-    ``q_nb`` is the last attitude turned on by the gyro.
+    alignment: what it has collected while it aligns, None while it navigates. navigation: the estimate, which an
+    alignment after a gap keeps for what it knows of the sensors; None before the first. gap_s: time since the estimate
+    was given up. reset_by_innovations: whether fixes contradicted it. reset_sigma: rad, part of both sigmas, decaying,
+    see ``filter.RESET_SIGMA_S``. While it aligns the sigmas are pi, and ``q_nb`` is the last attitude turned on by the
+    gyro.
     """
 
     def __init__(
@@ -34,30 +34,30 @@ class VelocityAidedState(FilterState):
         tilt_sigma: float,
         heading_sigma: float,
         alignment: Alignment | None,
-        flying: Flying | None,
+        navigation: Navigation | None,
         gap_s: float,
-        contested: bool,
-        doubt: float,
+        reset_by_innovations: bool,
+        reset_sigma: float,
     ) -> None:
         super().__init__(q_nb, gyro_bias, accel_used, mag_used, tilt_sigma, heading_sigma)
         self.alignment: Final = alignment
-        self.flying: Final = flying
+        self.navigation: Final = navigation
         self.gap_s: Final = gap_s
-        self.contested: Final = contested
-        self.doubt: Final = doubt
+        self.reset_by_innovations: Final = reset_by_innovations
+        self.reset_sigma: Final = reset_sigma
 
     @property
     def aligned(self) -> bool:
         """True once there is an attitude."""
-        return self.flying is not None and self.alignment is None
+        return self.navigation is not None and self.alignment is None
 
     @property
     def referred_to(self) -> North | None:
         """What the heading refers to."""
-        flying = self.flying
-        if flying is None or self.heading_sigma > NORTH_LOST:
+        navigation = self.navigation
+        if navigation is None or self.heading_sigma > NORTH_LOST:
             return North.RELATIVE
-        return North.TRUE if flying.declined else North.MAGNETIC
+        return North.TRUE if navigation.declination_known else North.MAGNETIC
 
     @property
     def sigma_is_proven(self) -> bool:
@@ -67,41 +67,41 @@ class VelocityAidedState(FilterState):
     @property
     def rests_on(self) -> str:
         """The velocity and where it comes from, or what has taken its place; "" while it aligns."""
-        flown = self._flown
-        if flown is None:
+        navigated = self._navigated
+        if navigated is None:
             return "just aligned" if self.aligned else ""
-        if flown.aid == Aid.VELOCITY:
+        if navigated.mode == AidingMode.VELOCITY:
             # Those that an alignment was made of are not the filter's rows: the first of these tells the source.
-            return f"velocity from {flown.fixes.source}" if flown.fixes.source else "just aligned"
-        return f"no velocity: {_substitute(flown.aid)}"
+            return f"velocity from {navigated.gnss.source}" if navigated.gnss.source else "just aligned"
+        return f"no velocity: {_fallback_name(navigated.mode)}"
 
     @property
     def velocity_nis(self) -> float:
         """Of the fix that this step used, NaN if it used none."""
-        flown = self._flown
-        return nan if flown is None or flown.fixes.lost_s > 0.0 else flown.fixes.nis
+        navigated = self._navigated
+        return nan if navigated is None or navigated.gnss.since_fused_s > 0.0 else navigated.gnss.nis
 
     @property
     def field_nis(self) -> float:
         """Of the reading that came with this step, rejected or not; NaN if none did."""
-        flown = self._flown
-        return nan if flown is None or flown.compass.held_s > 0.0 else flown.compass.nis
+        navigated = self._navigated
+        return nan if navigated is None or navigated.magnetometer.since_reading_s > 0.0 else navigated.magnetometer.nis
 
     @property
-    def _flown(self) -> Flying | None:
+    def _navigated(self) -> Navigation | None:
         """The flight, once it has gone a step: until then it tells of the time before a gap, or of none."""
-        flying = self.flying
-        if flying is None or self.alignment is not None or not flying.strapdown.track.points:
+        navigation = self.navigation
+        if navigation is None or self.alignment is not None or not navigation.imu.history.points:
             return None
-        return flying
+        return navigation
 
 
-def _substitute(aid: Aid) -> str:
+def _fallback_name(mode: AidingMode) -> str:
     """The name of what has taken the velocity's place."""
-    if aid == Aid.REST:
+    if mode == AidingMode.STATIONARY:
         return "at rest"
-    if aid == Aid.AIRSPEED:
+    if mode == AidingMode.AIRSPEED:
         return "airspeed"
-    if aid == Aid.PLACE:
+    if mode == AidingMode.ZERO_MEAN_VELOCITY:
         return "taken to stay in place"
-    return "coasting" if aid == Aid.COASTING else "gravity only"
+    return "coasting" if mode == AidingMode.COASTING else "gravity only"

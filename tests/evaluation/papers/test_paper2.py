@@ -39,7 +39,7 @@ def trial_map():
 
 def heading_errors(setting, seed=1):
     run = stand_run(setting, np.random.default_rng(seed))
-    supplied = np.array([aids.heading for aids in run.aids])
+    supplied = np.array([inputs.heading for inputs in run.inputs])
     return np.degrees((supplied - run.truth[:, 2] + np.pi) % (2.0 * np.pi) - np.pi)
 
 
@@ -84,7 +84,7 @@ def test_outliers_of_the_force_are_sideways_and_as_frequent_as_specified():
 
 def test_the_magnetic_setting_supplies_a_field_and_no_heading():
     run = stand_run(MAGNETIC, np.random.default_rng(1))
-    assert all(np.isnan(aids.heading) for aids in run.aids)
+    assert all(inputs.heading is None for inputs in run.inputs)
     field = np.array([sample.mag for sample in run.samples])
     assert np.linalg.norm(field, axis=1).mean() == pytest.approx(1.0, abs=1e-3)
     assert stand_run(CLEAN, np.random.default_rng(1)).samples[0].mag is None

@@ -74,13 +74,13 @@ def test_sensor_errors_are_those_of_the_paper():
     run = voyage(setting, np.random.default_rng(1))
     gyro = (np.array([s.gyro for s in run.samples]) - clean.samples[0].gyro) / DEG_PER_HOUR
     accel = (np.array([s.accel for s in run.samples]) - clean.samples[0].accel) / GRAVITY * 1e3
-    speed = np.array([aids.forward_speed for aids in run.aids])
+    speed = np.array([inputs.body_velocity.forward for inputs in run.inputs])
     assert gyro.mean(axis=0) == pytest.approx([1.0] * 3, abs=0.03)
     assert gyro.std(axis=0) == pytest.approx([0.3] * 3, rel=0.05)
     assert accel.mean(axis=0) == pytest.approx([1.0] * 3, abs=0.005)
     assert accel.std(axis=0) == pytest.approx([0.05] * 3, rel=0.05)
     assert (speed.mean(), speed.std()) == (pytest.approx(0.1, abs=0.01), pytest.approx(0.1, rel=0.05))
-    assert [aids.forward_speed_fresh for aids in run.aids[:6]] == [True, False, False, False, False, True]
+    assert [inputs.body_velocity.is_new for inputs in run.inputs[:6]] == [True, False, False, False, False, True]
 
 
 def test_starts_are_wrong_by_45_degrees_and_pitch_no_further_than_the_vertical():

@@ -22,7 +22,7 @@ MAG = (0.45, -0.1, 0.85)
 FIELD = FixedField(0.5, sqrt(0.75))
 ZERO = (0.0, 0.0, 0.0)
 LEVEL = (0.0, 0.0, -G_MPS2)
-NO_AIDS = FilterInputs()
+NO_INPUTS = FilterInputs()
 
 
 def reading(gyro=GYRO, accel=ACCEL, mag=MAG, saturated=False):
@@ -37,7 +37,7 @@ def after(filter_, sample, q=Q, dt_s=0.01, steps=1, bias=ZERO):
     """The attitude after so many steps with the same reading."""
     state = started(filter_, q, bias)
     for _ in range(steps):
-        state = filter_.step(state, dt_s, sample, NO_AIDS)
+        state = filter_.step(state, dt_s, sample, NO_INPUTS)
     return state.q_nb
 
 
@@ -172,7 +172,7 @@ def test_after_a_gap_one_reading_moves_the_attitude_no_further_than_in_fifty_mil
 def test_the_gyro_bias_of_the_start_is_subtracted_and_kept():
     bias = (0.01, -0.02, 0.03)
     biased = tuple(rate + error for rate, error in zip(GYRO, bias, strict=True))
-    with_bias = GradientDescent().step(started(GradientDescent(), bias=bias), 0.01, reading(biased), NO_AIDS)
+    with_bias = GradientDescent().step(started(GradientDescent(), bias=bias), 0.01, reading(biased), NO_INPUTS)
     assert with_bias.q_nb == pytest.approx(after(GradientDescent(), reading()), abs=1e-15)
     assert with_bias.gyro_bias == bias
 
@@ -186,7 +186,7 @@ def test_a_field_of_the_wrong_dip_tilts_only_against_a_fixed_reference():
 
 
 def test_the_state_says_what_was_used_and_what_was_left_over():
-    state = GradientDescent(field=FIELD).step(started(GradientDescent()), 0.01, reading(), NO_AIDS)
+    state = GradientDescent(field=FIELD).step(started(GradientDescent()), 0.01, reading(), NO_INPUTS)
     assert (state.accel_used, state.mag_used) == (True, True)
     turned = after(GradientDescent(), reading(accel=ZERO))
     down = tuple(-x / sqrt(sum(y * y for y in ACCEL)) for x in ACCEL)
@@ -209,11 +209,11 @@ def test_a_run_split_anywhere_and_restored_from_plain_numbers_is_the_same_to_the
             saved = repr((state.q_nb, state.gyro_bias, state.gravity_residual, state.field_residual))
             q_nb, bias, gravity_residual, field_residual = parsed(saved)
             state = GradientDescentState(q_nb, bias, state.accel_used, state.mag_used, gravity_residual, field_residual)
-        state = filter_.step(state, 0.01, sample, NO_AIDS)
+        state = filter_.step(state, 0.01, sample, NO_INPUTS)
         whole.append(state.q_nb)
     state = started(filter_)
     for sample, expected in zip(samples, whole, strict=True):
-        state = filter_.step(state, 0.01, sample, NO_AIDS)
+        state = filter_.step(state, 0.01, sample, NO_INPUTS)
         assert state.q_nb == expected
 
 
@@ -238,7 +238,7 @@ def test_compiled_and_interpreted_agree_after_a_hundred_thousand_random_steps(fi
     for _ in range(100_000):
         accel = tuple(20.0 * x for x in random_vector())
         mag = random_vector() if rng.random() < 0.7 else None
-        state = filter_.step(state, 0.1 * rng.random() + 1e-3, reading(random_vector(), accel, mag), NO_AIDS)
+        state = filter_.step(state, 0.1 * rng.random() + 1e-3, reading(random_vector(), accel, mag), NO_INPUTS)
     assert state.q_nb == pytest.approx(expected, abs=1e-12)
 
 
@@ -257,7 +257,7 @@ NAN, HUGE = float("nan"), 1e300
 @pytest.mark.parametrize("scale", [0.49, 1.51, 0.0, HUGE, inf, NAN])
 def test_an_accelerometer_that_does_not_show_gravity_is_not_used(scale):
     state = GradientDescent().step(
-        started(GradientDescent()), 0.01, reading(accel=(0.0, 0.0, -G_MPS2 * scale)), NO_AIDS
+        started(GradientDescent()), 0.01, reading(accel=(0.0, 0.0, -G_MPS2 * scale)), NO_INPUTS
     )
     assert (state.accel_used, state.mag_used) == (False, False)
     assert state.q_nb == after(GradientDescent(), reading(accel=ZERO, mag=None))
@@ -266,25 +266,25 @@ def test_an_accelerometer_that_does_not_show_gravity_is_not_used(scale):
 @pytest.mark.parametrize("scale", [0.51, 1.49])
 def test_an_accelerometer_within_its_gate_is_used(scale):
     accel = (0.0, 0.0, -G_MPS2 * scale)
-    assert GradientDescent().step(started(GradientDescent()), 0.01, reading(accel=accel), NO_AIDS).accel_used
+    assert GradientDescent().step(started(GradientDescent()), 0.01, reading(accel=accel), NO_INPUTS).accel_used
 
 
 @pytest.mark.parametrize("mag", [None, ZERO, (NAN, 0.1, 0.2), (0.1, inf, 0.2), (HUGE, 0.0, 0.0)])
 def test_a_magnetometer_that_shows_no_field_is_not_used(mag):
-    state = GradientDescent().step(started(GradientDescent()), 0.01, reading(mag=mag), NO_AIDS)
+    state = GradientDescent().step(started(GradientDescent()), 0.01, reading(mag=mag), NO_INPUTS)
     assert (state.accel_used, state.mag_used) == (True, False)
     assert state.q_nb == after(GradientDescent(), reading(mag=None))
 
 
 @pytest.mark.parametrize("gyro", [(NAN, 0.0, 0.0), (0.0, -inf, 0.0), (0.0, 0.0, HUGE)])
 def test_without_a_usable_gyro_the_attitude_is_held(gyro):
-    state = GradientDescent().step(started(GradientDescent()), 0.01, reading(gyro), NO_AIDS)
+    state = GradientDescent().step(started(GradientDescent()), 0.01, reading(gyro), NO_INPUTS)
     assert state.q_nb == Q
     assert (state.accel_used, state.mag_used) == (False, False)
 
 
 def test_a_saturated_reading_turns_the_attitude_but_does_not_correct_it():
-    state = GradientDescent().step(started(GradientDescent()), 0.01, reading(saturated=True), NO_AIDS)
+    state = GradientDescent().step(started(GradientDescent()), 0.01, reading(saturated=True), NO_INPUTS)
     assert (state.accel_used, state.mag_used) == (False, False)
     assert state.q_nb == after(GradientDescent(), reading(accel=ZERO))
 

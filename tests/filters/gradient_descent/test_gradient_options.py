@@ -23,11 +23,11 @@ from attest_mav.algebra import (
     tilt_between,
 )
 from attest_mav.filters.base import FilterInputs, Start
-from attest_mav.filters.gradient_descent.field_gate import FieldGate
+from attest_mav.filters.gradient_descent.field_gate import FieldMonitor
 from attest_mav.filters.gradient_descent.filter import GradientDescent, GradientDescentState, OptionState
-from attest_mav.filters.gradient_descent.inertial_force import InertialForce, carried, resting
-from attest_mav.filters.gradient_descent.options import Learned
-from attest_mav.filters.gradient_descent.rest_bias import RestBias, rested, unrested
+from attest_mav.filters.gradient_descent.inertial_force import InertialForce, advanced, initial_force
+from attest_mav.filters.gradient_descent.options import OptionMemory
+from attest_mav.filters.gradient_descent.rest_bias import StationaryBias, detect_bias, initial_bias
 from attest_mav.low_pass import Smoothed, smoothed, steady
 from attest_mav.types import G_MPS2, ImuSample, North
 
@@ -35,7 +35,7 @@ ZERO = (0.0, 0.0, 0.0)
 LEVEL = (0.0, 0.0, -G_MPS2)
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 MAG = (0.2, 0.0, 0.4)
-NO_AIDS = FilterInputs()
+NO_INPUTS = FilterInputs()
 ALL_ON = GradientDescent(beta=0.02, rest_bias=True, accel_time_s=2.5, heading_rate=0.01, field_gate=True)
 
 
@@ -49,7 +49,7 @@ def started(filter_, q=UPRIGHT, mag=MAG, bias=ZERO):
 
 def run(filter_, state, samples, dt_s=0.01):
     for sample in samples:
-        state = filter_.step(state, dt_s, sample, NO_AIDS)
+        state = filter_.step(state, dt_s, sample, NO_INPUTS)
     return state
 
 
@@ -117,29 +117,29 @@ def test_the_bias_is_the_mean_gyro_at_rest():
     ],
 )
 def test_motion_is_not_rest(rate, shake, name):
-    state = unrested(ZERO, LEVEL)
+    state = initial_bias(ZERO, LEVEL)
     for k in range(1000):
         accel = (shake * (-1.0) ** (k // 5), 0.0, -G_MPS2)
-        state = rested(state, (0.0, 0.0, rate), accel, 0.01)
+        state = detect_bias(state, (0.0, 0.0, rate), accel, 0.01)
     assert state.bias == ZERO, name
 
 
 def test_a_shaken_gyro_is_not_rest_and_rest_must_last():
-    state = unrested(ZERO, LEVEL)
+    state = initial_bias(ZERO, LEVEL)
     for k in range(3000):
         jolt = radians(5.0) if k % 140 == 0 else 0.0  # every 1.4 s
-        state = rested(state, (0.01 + jolt, 0.0, 0.0), LEVEL, 0.01)
+        state = detect_bias(state, (0.01 + jolt, 0.0, 0.0), LEVEL, 0.01)
     assert state.bias == ZERO
 
 
 def test_a_reading_that_is_not_finite_ends_the_rest_and_no_more():
-    state = unrested(ZERO, LEVEL)
+    state = initial_bias(ZERO, LEVEL)
     for k in range(400):
         gyro = (nan, 0.0, 0.0) if k % 100 == 0 else (0.01, 0.0, 0.0)
-        state = rested(state, gyro, LEVEL, 0.01)
+        state = detect_bias(state, gyro, LEVEL, 0.01)
     assert state.bias == ZERO
     for _ in range(300):
-        state = rested(state, (0.01, 0.0, 0.0), LEVEL, 0.01)
+        state = detect_bias(state, (0.01, 0.0, 0.0), LEVEL, 0.01)
     assert state.bias == pytest.approx((0.01, 0.0, 0.0), abs=1e-4)
 
 
@@ -160,10 +160,10 @@ def test_a_known_bias_keeps_the_attitude_while_it_turns():
 
 def test_a_force_that_is_constant_in_the_world_is_kept_however_the_body_turns():
     q, gyro = q_from_euler(0.3, -0.4, 1.0), (1.0, -2.0, 0.5)
-    force = resting(q, rotate_back(q, LEVEL))
+    force = initial_force(q, rotate_back(q, LEVEL))
     for dt_s in (0.01, 0.25, 0.0035, 1.0) * 20:
         q = q_mul(q, q_exp(tuple(0.5 * dt_s * w for w in gyro)))
-        force = carried(force, gyro, rotate_back(q, LEVEL), dt_s, 2.5)
+        force = advanced(force, gyro, rotate_back(q, LEVEL), dt_s, 2.5)
         assert force.in_body == pytest.approx(rotate_back(q, LEVEL), abs=1e-9)
 
 
@@ -174,7 +174,7 @@ def worst_tilt(filter_):
     for k in range(1, 3001):
         q = q_mul(q, q_exp((0.0, 0.0, 0.5 * rate[2] * dt_s)))
         accel = rotate_back(q, (3.0 * sin(2.0 * pi * k * dt_s), 0.0, -G_MPS2))
-        state = filter_.step(state, dt_s, reading(rate, accel, None), NO_AIDS)
+        state = filter_.step(state, dt_s, reading(rate, accel, None), NO_INPUTS)
         worst = max(worst, tilt_between(state.q_nb, q)) if k > 2000 else 0.0
     return degrees(worst)
 
@@ -230,8 +230,8 @@ def test_no_field_touches_the_tilt():
     with_field, without = started(filter_), started(filter_)
     for row in rng.standard_normal((500, 9)).tolist():
         gyro, accel = tuple(row[:3]), tuple(a + b for a, b in zip(LEVEL, row[3:6], strict=True))
-        with_field = filter_.step(with_field, 0.01, reading(gyro, accel, (row[6], 3.0 + row[7], row[8])), NO_AIDS)
-        without = filter_.step(without, 0.01, reading(gyro, accel, None), NO_AIDS)
+        with_field = filter_.step(with_field, 0.01, reading(gyro, accel, (row[6], 3.0 + row[7], row[8])), NO_INPUTS)
+        without = filter_.step(without, 0.01, reading(gyro, accel, None), NO_INPUTS)
     assert down_in_body(with_field.q_nb) == pytest.approx(down_in_body(without.q_nb), abs=1e-12)
     assert abs(heading_between(with_field.q_nb, without.q_nb)) > 0.1
 
@@ -310,7 +310,7 @@ def test_without_a_field_at_the_start_the_first_one_is_the_reference():
 def test_without_an_option_the_filter_is_the_papers():
     state = started(GradientDescent())
     assert type(state) is GradientDescentState
-    assert type(GradientDescent().step(state, 0.01, reading(), NO_AIDS)) is GradientDescentState
+    assert type(GradientDescent().step(state, 0.01, reading(), NO_INPUTS)) is GradientDescentState
 
 
 def test_an_option_with_nothing_to_do_changes_nothing():
@@ -320,8 +320,8 @@ def test_an_option_with_nothing_to_do_changes_nothing():
     a, b = started(plain), started(optional)
     for gyro in rng.standard_normal((200, 3)).tolist():
         mag = rotate_back(a.q_nb, MAG)
-        a = plain.step(a, 0.01, reading(tuple(gyro), mag=mag), NO_AIDS)
-        b = optional.step(b, 0.01, reading(tuple(gyro), mag=mag), NO_AIDS)
+        a = plain.step(a, 0.01, reading(tuple(gyro), mag=mag), NO_INPUTS)
+        b = optional.step(b, 0.01, reading(tuple(gyro), mag=mag), NO_INPUTS)
         assert a.q_nb == b.q_nb
         assert (a.accel_used, a.mag_used, a.field_residual) == (b.accel_used, b.mag_used, b.field_residual)
 
@@ -344,7 +344,7 @@ def test_a_bad_reading_leaves_no_trace(bad):
     state = run(ALL_ON, good, [bad] * 3 + [reading()] * 300)
     assert all(abs(x) < inf for x in numbers(state))
     assert degrees(tilt_between(state.q_nb, UPRIGHT)) < 0.5
-    assert norm(sub(state.learned.inertial.force.value, LEVEL)) < 0.5
+    assert norm(sub(state.memory.inertial.force.value, LEVEL)) < 0.5
     assert q_norm(state.q_nb) == pytest.approx(1.0, abs=1e-12)
 
 
@@ -356,21 +356,21 @@ def test_an_unusable_accelerometer_is_said_to_be_unused():
 
 def numbers(state):
     """A state as plain numbers."""
-    rest, inertial, gate = state.learned.rest, state.learned.inertial, state.learned.gate
+    rest, inertial, gate = state.memory.rest, state.memory.inertial, state.memory.gate
     smoothings = (rest.gyro, rest.accel, inertial.force)
-    flat = [*state.q_nb, *rest.bias, rest.quiet_s, rest.rested_s, *inertial.turned]
+    flat = [*state.q_nb, *rest.bias, rest.quiet_s, rest.averaged_s, *inertial.q_inertial_body]
     flat += [x for s in smoothings for x in (*s.value, *s.slope)]
-    return [*flat, gate.strength, gate.dip, gate.usual_strength, gate.usual_dip, gate.rejected_s]
+    return [*flat, gate.strength, gate.inclination, gate.usual_strength, gate.usual_inclination, gate.rejected_s]
 
 
 def restored(flat):
     """The state of these numbers."""
     q, bias, (quiet_s, rested_s), axes = flat[:4], flat[4:7], flat[7:9], flat[9:13]
     low = [Smoothed(tuple(flat[i : i + 3]), tuple(flat[i + 3 : i + 6])) for i in (13, 19, 25)]
-    learned = Learned(
-        RestBias(tuple(bias), low[0], low[1], quiet_s, rested_s),
+    learned = OptionMemory(
+        StationaryBias(tuple(bias), low[0], low[1], quiet_s, rested_s),
         InertialForce(tuple(axes), low[2]),
-        FieldGate(*flat[31:], True),
+        FieldMonitor(*flat[31:], True),
     )
     plain = GradientDescentState(tuple(q), tuple(bias), False, False, ZERO, ZERO)
     return OptionState(plain, tuple(q), False, learned)
@@ -390,10 +390,10 @@ def test_a_split_run_restored_from_numbers_is_the_whole_run_at_any_interval():
     steps = [(rng.choice((0.0035, 0.01, 0.25, 0.9)), sample) for sample in still + moving]
     whole = split = started(ALL_ON)
     for k, (dt_s, sample) in enumerate(steps):
-        whole = ALL_ON.step(whole, dt_s, sample, NO_AIDS)
+        whole = ALL_ON.step(whole, dt_s, sample, NO_INPUTS)
         if k % 50 == 0:
             split = restored([float(text) for text in repr(numbers(split))[1:-1].split(", ")])
-        split = ALL_ON.step(split, dt_s, sample, NO_AIDS)
+        split = ALL_ON.step(split, dt_s, sample, NO_INPUTS)
         assert split.q_nb == whole.q_nb
         assert q_norm(q_mul(q_conj(whole.q_nb), whole.q_nb)) == pytest.approx(1.0, abs=1e-12)
     assert whole.gyro_bias != ZERO

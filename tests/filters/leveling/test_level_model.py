@@ -8,16 +8,23 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from attest_mav.algebra import dot, q_from_euler, q_to_matrix, scale, unit
-from attest_mav.filters.leveling.model import Level, corrected, floored, predicted, sound, tilt_variance
+from attest_mav.filters.leveling.model import (
+    LevelState,
+    is_sound,
+    predicted,
+    tilt_variance,
+    updated,
+    with_variance_floor,
+)
 from attest_mav.filters.leveling.north import (
     EARTH_RATE,
     NorthVector,
     earth_rate,
-    field_error,
+    heading_error,
     level_axes,
-    levelled,
+    made_level,
     north_from_heading,
-    turned_right,
+    turned_east,
 )
 from attest_mav.matrices import diagonal
 
@@ -29,7 +36,7 @@ GYRO = (0.05, -0.02, 0.1)
 
 
 def level(velocity=(4.0, 0.1, -0.2), down=DOWN, variance=1.0):
-    return Level(velocity, down, diagonal(variance), diagonal(0.0), diagonal(variance))
+    return LevelState(velocity, down, diagonal(variance), diagonal(0.0), diagonal(variance))
 
 
 def whole(x):
@@ -42,7 +49,7 @@ def random_level(rng):
     half = rng.standard_normal((6, 6))
     p = half @ half.T
     blocks = [tuple(map(tuple, block.tolist())) for block in (p[:3, :3], p[:3, 3:], p[3:, 3:])]
-    return Level(tuple(rng.standard_normal(3).tolist()), tuple(rng.standard_normal(3).tolist()), *blocks)
+    return LevelState(tuple(rng.standard_normal(3).tolist()), tuple(rng.standard_normal(3).tolist()), *blocks)
 
 
 def cross_matrix(v):
@@ -68,10 +75,10 @@ def test_prediction_and_rows_give_the_published_states():
     x = predicted(level(), GYRO, earth, (0.2, 0.5, -9.7), 9.81, 0.01, 1e-5, 3e-9)
     assert x.velocity == pytest.approx((4.00698481277, 0.110729823485, -0.200738249581), abs=1e-9)
     assert x.down == pytest.approx((0.050298046159, 0.100444288966, 0.989939923110), abs=1e-9)
-    x = corrected(x, FORWARD, ZERO, 4.1 - x.velocity[0], 0.01)
+    x = updated(x, FORWARD, ZERO, 4.1 - x.velocity[0], 0.01)
     assert x.velocity == pytest.approx((4.09908774986, 0.110729823485, -0.200738249581), abs=1e-9)
     assert x.down == pytest.approx((0.059247220033, 0.100444284927, 0.989939925058), abs=1e-9)
-    x = corrected(x, ZERO, scale(x.down, 2.0), 1.0 - dot(x.down, x.down), 0.5)
+    x = updated(x, ZERO, scale(x.down, 2.0), 1.0 - dot(x.down, x.down), 0.5)
     assert x.velocity == pytest.approx((4.099087913438, 0.110758099888, -0.200459569871), abs=1e-9)
     assert x.down == pytest.approx((0.059415633567, 0.100732523941, 0.992780697008), abs=1e-9)
     roll, pitch = atan2(x.down[1], x.down[2]), atan2(-x.down[0], sqrt(x.down[1] ** 2 + x.down[2] ** 2))
@@ -116,7 +123,7 @@ def test_a_row_is_the_kalman_update_in_joseph_form(seed):
     state, p = whole(x)
     gain = p @ h / (h @ p @ h + r)
     left = np.eye(6) - np.outer(gain, h)
-    ours, p_ours = whole(corrected(x, tuple(h[:3].tolist()), tuple(h[3:].tolist()), z, r))
+    ours, p_ours = whole(updated(x, tuple(h[:3].tolist()), tuple(h[3:].tolist()), z, r))
     assert np.abs(ours - (state + gain * z)).max() < 1e-12
     assert np.abs(p_ours - (left @ p @ left.T + r * np.outer(gain, gain))).max() < 1e-12
 
@@ -134,17 +141,17 @@ def test_tilt_variance_leaves_out_what_changes_only_the_length():
     down = unit(DOWN)
     along, across = np.outer(down, down), np.eye(3) - np.outer(down, down)
     p_dd = tuple(map(tuple, (0.3 * along + 0.02 * across).tolist()))
-    x = Level(ZERO, scale(down, 2.0), diagonal(1.0), diagonal(0.0), p_dd)
+    x = LevelState(ZERO, scale(down, 2.0), diagonal(1.0), diagonal(0.0), p_dd)
     assert tilt_variance(x) == pytest.approx(2 * 0.02 / 4.0)
     assert tilt_variance(level(down=ZERO)) == pi * pi
 
 
 def test_soundness_sees_each_part():
-    assert sound(level())
-    assert not sound(level(velocity=(nan, 0.0, 0.0)))
-    assert not sound(level(down=(0.0, float("inf"), 0.0)))
-    assert not sound(level(variance=-1e-9))
-    assert np.array(floored(level(variance=0.0)).p_dd).diagonal().min() == 1e-12
+    assert is_sound(level())
+    assert not is_sound(level(velocity=(nan, 0.0, 0.0)))
+    assert not is_sound(level(down=(0.0, float("inf"), 0.0)))
+    assert not is_sound(level(variance=-1e-9))
+    assert np.array(with_variance_floor(level(variance=0.0)).p_dd).diagonal().min() == 1e-12
 
 
 # --- the north vector ---------------------------------------------------------------------------------------------
@@ -166,14 +173,14 @@ def test_a_nose_that_points_up_shows_no_heading():
 def test_the_field_shows_how_far_north_is_off_and_turning_takes_it_there(error):
     axes = q_to_matrix(q_from_euler(0.4, -0.6, 1.0))
     north, down = axes[0], axes[2]
-    field = tuple((0.2 * np.array(turned_right(north, down, error)) + 0.4 * np.array(down)).tolist())
-    assert field_error(north, down, field) == pytest.approx(error)
-    assert field_error(turned_right(north, down, error), down, field) == pytest.approx(0.0, abs=1e-12)
+    field = tuple((0.2 * np.array(turned_east(north, down, error)) + 0.4 * np.array(down)).tolist())
+    assert heading_error(north, down, field) == pytest.approx(error)
+    assert heading_error(turned_east(north, down, error), down, field) == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("field", [(0.0, 0.0, 0.0), (0.01, 0.0, 1.0), (nan, 0.0, 0.0), (1e300, 0.0, 0.0)])
 def test_a_field_without_a_level_part_shows_nothing(field):
-    assert np.isnan(field_error((1.0, 0.0, 0.0), (0.0, 0.0, 1.0), field))
+    assert np.isnan(heading_error((1.0, 0.0, 0.0), (0.0, 0.0, 1.0), field))
 
 
 def test_declination_turns_the_earth_rate_back_to_true_north():
@@ -190,6 +197,6 @@ def test_declination_turns_the_earth_rate_back_to_true_north():
 @pytest.mark.parametrize("north", [(1.0, 0.2, 0.3), (0.0, 0.0, 2.0), (0.0, 0.0, 0.0), (0.0, 1e-9, -1.0)])
 @pytest.mark.parametrize("down", [(0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (0.6, 0.0, -0.8)])
 def test_levelled_is_always_a_level_direction(north, down):
-    ours = levelled(north, down)
+    ours = made_level(north, down)
     assert dot(ours, down) == pytest.approx(0.0, abs=1e-9)
     assert dot(ours, ours) == pytest.approx(1.0)

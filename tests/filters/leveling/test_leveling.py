@@ -29,7 +29,7 @@ ZERO = (0.0, 0.0, 0.0)
 REST = (0.0, 0.0, -G_MPS2)
 FIELD = (0.2, 0.0, 0.35)
 STANDING = FilterInputs(stationary=True)
-NO_AIDS = FilterInputs()
+NO_INPUTS = FilterInputs()
 
 
 def reading(gyro=ZERO, accel=REST, mag=FIELD, saturated=False):
@@ -43,8 +43,8 @@ def started(filter_, q=ONE, north=North.MAGNETIC, at_rest=True):
 def run(filter_, steps, state=None, dt_s=0.02, q=ONE):
     """The state after (sample, aids) pairs."""
     state = started(filter_, q) if state is None else state
-    for sample, aids in steps:
-        state = filter_.step(state, dt_s, sample, aids)
+    for sample, inputs in steps:
+        state = filter_.step(state, dt_s, sample, inputs)
     return state
 
 
@@ -86,8 +86,8 @@ def test_it_finds_the_level_when_started_in_the_middle_of_a_turn():
     truth, steps = turning_steps(radians(40.0), 22.0, 20.0)
     state = started(Leveling(), at_rest=False)
     errors = []
-    for q, (sample, aids) in zip(truth, steps, strict=True):
-        state = Leveling().step(state, 0.02, sample, aids)
+    for q, (sample, inputs) in zip(truth, steps, strict=True):
+        state = Leveling().step(state, 0.02, sample, inputs)
         errors.append(tilt_between(state.q_nb, q))
     assert errors[0] > radians(30.0)
     assert max(errors[500:]) < radians(2.0)
@@ -131,9 +131,9 @@ def test_sideways_motion_is_used_when_it_is_known_and_left_alone_when_not():
 
 def test_the_first_speed_starts_the_velocity_without_touching_the_attitude():
     tilted = q_from_euler(0.1, -0.1, 0.0)
-    before = run(Leveling(), [(reading(), NO_AIDS)] * 20, q=tilted)
+    before = run(Leveling(), [(reading(), NO_INPUTS)] * 20, q=tilted)
     after = Leveling().step(before, 0.02, reading(), moving(25.0))
-    assert after.motion.moving
+    assert after.velocity_model.moving
     assert after.level.velocity == pytest.approx((25.0, 0.0, 0.0), abs=0.01)
     assert tilt_between(after.q_nb, before.q_nb) < radians(0.1)
 
@@ -147,23 +147,23 @@ def test_a_sensor_that_shows_wind_at_rest_does_not_tilt_when_the_vehicle_starts_
     assert tilt_between(again.q_nb, ONE) < radians(0.1)
 
 
-def replace_aids(aids, stationary):
-    return FilterInputs(aids.body_velocity, stationary)
+def replace_aids(inputs, stationary):
+    return FilterInputs(inputs.body_velocity, stationary)
 
 
 def test_without_any_speed_it_levels_by_the_mean_specific_force():
     """A minute of swinging about level, 3 m/s^2 to and fro: the mean shows gravity. Then a speed comes, and rules."""
-    swing = [(reading(accel=(3.0 * sin(0.02 * k * 2.0), 0.0, -G_MPS2)), NO_AIDS) for k in range(3000)]
+    swing = [(reading(accel=(3.0 * sin(0.02 * k * 2.0), 0.0, -G_MPS2)), NO_INPUTS) for k in range(3000)]
     state = run(Leveling(), swing, q=q_from_euler(0.2, 0.2, 0.0))
     assert tilt_between(state.q_nb, ONE) < radians(2.0)
-    assert not state.motion.moving
+    assert not state.velocity_model.moving
     aided = run(Leveling(), [(reading(), moving(30.0))] * 100, state)
-    assert aided.motion.moving
+    assert aided.velocity_model.moving
     assert tilt_between(aided.q_nb, state.q_nb) < radians(2.0)
 
 
 def test_rows_with_an_infinite_variance_are_left_out():
-    state = run(Leveling(r_unaided=inf, r_sideslip=inf), [(reading(), NO_AIDS), (reading(), moving(5.0))] * 20)
+    state = run(Leveling(r_unaided=inf, r_sideslip=inf), [(reading(), NO_INPUTS), (reading(), moving(5.0))] * 20)
     assert q_norm(state.q_nb) == pytest.approx(1.0)
     assert isnan(state.velocity_innovation[1])
     assert state.level.velocity[0] == pytest.approx(5.0, abs=0.1)
@@ -173,11 +173,11 @@ def test_a_vehicle_whose_speed_is_lost_is_taken_to_keep_it():
     """Half a minute without a speed, half of it in a turn; then the speed is back, and different."""
     _, turn = turning_steps(radians(20.0), 30.0, 15.0)
     cruising = run(Leveling(), [(reading(), moving(30.0))] * 200)
-    straight = run(Leveling(), [(reading(), NO_AIDS)] * 750, cruising)
+    straight = run(Leveling(), [(reading(), NO_INPUTS)] * 750, cruising)
     assert tilt_between(straight.q_nb, ONE) < radians(0.1)
     banked = q_mul(straight.q_nb, q_from_euler(radians(20.0), 0.0, 0.0))
-    lost = run(Leveling(), [(reading((radians(20.0), 0.0, 0.0)), NO_AIDS)] * 50, straight)
-    lost = run(Leveling(), [(sample, NO_AIDS) for sample, _ in turn], lost)
+    lost = run(Leveling(), [(reading((radians(20.0), 0.0, 0.0)), NO_INPUTS)] * 50, straight)
+    lost = run(Leveling(), [(sample, NO_INPUTS) for sample, _ in turn], lost)
     assert tilt_between(lost.q_nb, banked) < radians(1.0)
     found = run(Leveling(), turning_steps(radians(20.0), 26.0, 5.0)[1], lost)
     assert tilt_between(found.q_nb, banked) < radians(1.0)
@@ -193,7 +193,7 @@ def test_only_a_fresh_speed_is_a_reading():
 @pytest.mark.parametrize("speed", [nan, inf, -inf, 1e9])
 def test_a_senseless_speed_is_not_used(speed):
     state = run(Leveling(), [(reading(), moving(speed))] * 10)
-    assert not state.motion.moving
+    assert not state.velocity_model.moving
     assert state.q_nb == pytest.approx(ONE)
 
 
@@ -274,7 +274,7 @@ def test_the_earth_is_not_taken_for_a_turn():
 @pytest.mark.parametrize("accel", [(nan, 0.0, -9.8), (inf, 0.0, 0.0), ZERO, (1e200, 0.0, 0.0)])
 def test_without_an_accelerometer_it_turns_with_the_gyro_and_says_so(accel):
     before = run(Leveling(), [(reading(), moving(10.0))] * 100)
-    after = run(Leveling(), [(reading((0.1, 0.0, 0.0), accel, None), NO_AIDS)] * 50, before)
+    after = run(Leveling(), [(reading((0.1, 0.0, 0.0), accel, None), NO_INPUTS)] * 50, before)
     assert not after.accel_used
     assert q_to_euler(after.q_nb)[0] == pytest.approx(0.1, abs=1e-3)
     assert after.level.p_vv[0][0] > before.level.p_vv[0][0] + 0.5
@@ -298,7 +298,7 @@ def test_a_field_that_shows_no_heading_is_not_used(mag):
 
 def test_saturation_widens_the_covariance_tenfold():
     before = run(Leveling(), [(reading(), STANDING)] * 100)
-    usual, saturated = (Leveling().step(before, 0.02, reading(saturated=flag), NO_AIDS) for flag in (False, True))
+    usual, saturated = (Leveling().step(before, 0.02, reading(saturated=flag), NO_INPUTS) for flag in (False, True))
     grown = [after.level.p_dd[1][1] - before.level.p_dd[1][1] for after in (usual, saturated)]
     assert grown[1] == pytest.approx(10.0 * grown[0], rel=0.05)
 
@@ -306,8 +306,8 @@ def test_saturation_widens_the_covariance_tenfold():
 def test_a_long_gap_is_taken_in_parts():
     """0.9 s of a fast turn in one step, against the same in steps of 20 ms."""
     fast = reading((1.0, -2.0, 3.0), (1.0, 2.0, -9.0), None)
-    once = run(Leveling(spacing_s=inf), [(fast, NO_AIDS)], dt_s=0.9)
-    often = run(Leveling(spacing_s=inf), [(fast, NO_AIDS)] * 45, dt_s=0.02)
+    once = run(Leveling(spacing_s=inf), [(fast, NO_INPUTS)], dt_s=0.9)
+    often = run(Leveling(spacing_s=inf), [(fast, NO_INPUTS)] * 45, dt_s=0.02)
     assert tuple(-x for x in once.q_nb) == pytest.approx(often.q_nb, abs=1e-12)  # the same attitude: 2.7 rad round
     assert once.level.velocity == pytest.approx(often.level.velocity, abs=1e-10)
     assert np.array(once.level.p_vd) == pytest.approx(np.array(often.level.p_vd), rel=1e-9)
@@ -341,8 +341,8 @@ aids_of = st.builds(
 def test_whatever_comes_the_state_stays_sound_or_asks_for_a_start(readings):
     filter_ = Leveling()
     state = started(filter_)
-    for gyro, accel, mag, aids, dt_s, saturated in readings:
-        state = filter_.step(state, dt_s, reading(gyro, accel, mag, saturated), aids)
+    for gyro, accel, mag, inputs, dt_s, saturated in readings:
+        state = filter_.step(state, dt_s, reading(gyro, accel, mag, saturated), inputs)
         if isnan(q_norm(state.q_nb)):
             return
         assert q_norm(state.q_nb) == pytest.approx(1.0, abs=1e-12)
@@ -367,7 +367,11 @@ def test_a_run_cut_in_two_is_the_whole_run_bit_for_bit():
     other = run(replace(Leveling()), steps[150:], half)
     for name in ("velocity", "down", "p_vv", "p_vd", "p_dd"):
         assert getattr(other.level, name) == getattr(whole.level, name)
-    assert (other.q_nb, other.waited_s, other.north.variance) == (whole.q_nb, whole.waited_s, whole.north.variance)
+    assert (other.q_nb, other.since_update_s, other.north.variance) == (
+        whole.q_nb,
+        whole.since_update_s,
+        whole.north.variance,
+    )
 
 
 def test_the_sigma_of_the_tilt_is_honest_on_noise_that_fits():

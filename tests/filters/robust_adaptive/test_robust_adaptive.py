@@ -27,9 +27,9 @@ from attest_mav.filters.robust_adaptive.model import (
     accel_innovation,
     attitude_variances,
     heading_innovation,
-    measurement_rows,
+    measurement_jacobian,
     predicted_covariance,
-    row_variances,
+    state_variances_of,
 )
 from attest_mav.matrices4 import add4, diagonal4, scaled4
 from attest_mav.types import G_MPS2, ImuSample, North
@@ -40,7 +40,7 @@ GYRO = (0.05, -0.02, 0.1)
 ZERO = (0.0, 0.0, 0.0)
 LEVEL = (0.0, 0.0, -G_MPS2)
 NORTH_FIELD = (0.2, 0.0, 0.35)
-NO_AIDS = FilterInputs()
+NO_INPUTS = FilterInputs()
 PLAIN = RobustAdaptive(robust=False, adaptive=False)
 
 
@@ -52,11 +52,11 @@ def started(filter_, q=ONE, bias=ZERO):
     return filter_.initial(Start(q, bias, North.MAGNETIC, LEVEL, NORTH_FIELD))
 
 
-def run(filter_, samples, q=ONE, dt_s=0.01, aids=NO_AIDS):
+def run(filter_, samples, q=ONE, dt_s=0.01, inputs=NO_INPUTS):
     """The state after the samples."""
     state = started(filter_, q)
     for sample in samples:
-        state = filter_.step(state, dt_s, sample, aids)
+        state = filter_.step(state, dt_s, sample, inputs)
     return state
 
 
@@ -114,9 +114,9 @@ def test_one_correction_gives_the_published_attitude(filter_, inflation, alpha, 
     diagonal = ((1e-6, 0.0, 0.0, 0.0), (0.0, 2e-6, 0.0, 0.0), (0.0, 0.0, 3e-6, 0.0), (0.0, 0.0, 0.0, 4e-6))
     q = q_mul(Q, TURN)
     p = predicted_covariance(diagonal, TURN, q, 0.0, 1e-8)
-    rows = measurement_rows(q, not filter_.printed)
-    spread = row_variances(p, rows)
-    weights, _ = filter_.weigh_rows(V, spread, (0.0, 0.0, 0.0, 0.0), 0.01)
+    rows = measurement_jacobian(q, not filter_.printed)
+    spread = state_variances_of(p, rows)
+    weights, _ = filter_.weigh_measurements(V, spread, (0.0, 0.0, 0.0, 0.0), 0.01)
     _, factor = filter_.weigh_prediction(V, spread, weights, 1.0, 0.01)
     dq, _ = filter_.correction(scaled4(p, 1.0 / factor), rows, V, weights)
     assert weights == pytest.approx(inflation, abs=1e-8)
@@ -162,10 +162,10 @@ def test_one_whole_step_is_the_kalman_filter_written_with_matrices():
     filter_ = replace(PLAIN, p0=1e-2)
     sample = reading(GYRO, (1.5, 1.0, -9.6), (0.45, -0.1, 0.85))
     state = started(filter_, Q)
-    after = filter_.step(state, 0.01, sample, NO_AIDS)
+    after = filter_.step(state, 0.01, sample, NO_INPUTS)
     q = q_mul(Q, TURN)
     p = np.array(predicted_covariance(diagonal4(1e-2), TURN, q, 0.25 * 2.7e-7 * 0.01, 0.0))
-    h, r = np.array(measurement_rows(q, vertical=True)), np.diag([1e-3, 1e-3, 1e-3, 2.7e-3])
+    h, r = np.array(measurement_jacobian(q, vertical=True)), np.diag([1e-3, 1e-3, 1e-3, 2.7e-3])
     v = np.array([*accel_innovation(q, sample.accel), heading_innovation(q, sample.mag, nan)])
     gain = p @ h.T @ np.linalg.inv(h @ p @ h.T + r)
     assert after.innovation == pytest.approx(v, abs=1e-14)
@@ -243,8 +243,10 @@ def test_a_vertical_heading_row_cannot_tilt():
     """A supplied heading that is off tilts a banked vehicle with Euler's row, not with the vertical one."""
     banked = q_from_euler(radians(60.0), radians(20.0), 0.0)
     blind = reading(accel=ZERO, mag=None)
-    vertical = run(replace(PLAIN, r_heading=1e-6), [blind], banked, aids=FilterInputs(heading=radians(4.0)))
-    euler = run(replace(PLAIN, printed=True, r_heading=1e-6), [blind], banked, aids=FilterInputs(heading=radians(4.0)))
+    vertical = run(replace(PLAIN, r_heading=1e-6), [blind], banked, inputs=FilterInputs(heading=radians(4.0)))
+    euler = run(
+        replace(PLAIN, printed=True, r_heading=1e-6), [blind], banked, inputs=FilterInputs(heading=radians(4.0))
+    )
     assert tilt_between(vertical.q_nb, banked) < radians(0.1)
     assert tilt_between(euler.q_nb, banked) > radians(1.0)
 
@@ -284,7 +286,7 @@ def test_an_accelerometer_out_of_its_gate_is_not_used(accel):
 @pytest.mark.parametrize("gyro", [(nan, 0.0, 0.0), (inf, 0.0, 0.0), (1e200, 1e200, 0.0)])
 def test_a_senseless_gyro_holds_everything(gyro):
     before = run(RobustAdaptive(), [reading(GYRO)] * 10)
-    after = RobustAdaptive().step(before, 0.01, reading(gyro), NO_AIDS)
+    after = RobustAdaptive().step(before, 0.01, reading(gyro), NO_INPUTS)
     assert after.q_nb == before.q_nb
     assert after.covariance == before.covariance
     assert not after.accel_used
@@ -293,8 +295,8 @@ def test_a_senseless_gyro_holds_everything(gyro):
 
 def test_saturation_skips_the_accelerometer_and_widens_the_covariance():
     before = run(RobustAdaptive(), [reading()] * 500)
-    usual = RobustAdaptive().step(before, 0.01, reading(mag=None, accel=ZERO), NO_AIDS)
-    saturated = RobustAdaptive().step(before, 0.01, reading(mag=None, saturated=True), NO_AIDS)
+    usual = RobustAdaptive().step(before, 0.01, reading(mag=None, accel=ZERO), NO_INPUTS)
+    saturated = RobustAdaptive().step(before, 0.01, reading(mag=None, saturated=True), NO_INPUTS)
     assert not saturated.accel_used
     growth = (saturated.tilt_sigma**2 - before.tilt_sigma**2) / (usual.tilt_sigma**2 - before.tilt_sigma**2)
     assert growth == pytest.approx(10.0, rel=1e-6)
@@ -356,7 +358,7 @@ def test_a_run_cut_in_two_is_the_whole_run_bit_for_bit():
     half = run(RobustAdaptive(), samples[:200])
     other = RobustAdaptive()
     for sample in samples[200:]:
-        half = other.step(half, 0.01, sample, NO_AIDS)
+        half = other.step(half, 0.01, sample, NO_INPUTS)
     assert (half.q_nb, half.covariance, half.rejected_s) == (whole.q_nb, whole.covariance, whole.rejected_s)
 
 
@@ -386,5 +388,5 @@ def test_the_sigmas_are_honest_on_noise_that_fits():
 
 
 def test_headings_across_south_are_wrapped():
-    south = run(PLAIN, [reading(mag=None)] * 50, q_heading(pi - 0.01), aids=FilterInputs(heading=-pi + 0.01))
+    south = run(PLAIN, [reading(mag=None)] * 50, q_heading(pi - 0.01), inputs=FilterInputs(heading=-pi + 0.01))
     assert abs(south.innovation[3]) < 0.02

@@ -102,7 +102,7 @@ class Flight:
     """The samples with their aids, and the true attitude at each."""
 
     samples: list = field(default_factory=list)
-    aids: list = field(default_factory=list)
+    inputs: list = field(default_factory=list)
     truth: list = field(default_factory=list)
 
     def run(self, chosen=None, state=None, first=0, last=None):
@@ -116,7 +116,7 @@ class Flight:
                 state = chosen.initial(start)
             else:
                 dt_s = (sample.t_ns - self.samples[k - 1].t_ns) * 1e-9
-                state = chosen.step(state, dt_s, sample, self.aids[k])
+                state = chosen.step(state, dt_s, sample, self.inputs[k])
             states.append(state)
         return states
 
@@ -160,7 +160,7 @@ def telemetered(motion, how):
         flight.samples.append(_sample(how, round(t * 1e9), gyro, accel, field_held))
         ahead = float(np.dot(motion.velocity[k], rotate(tuple(motion.q[k]), (1.0, 0.0, 0.0))))
         air = wing(ahead) if how.airspeed else {}
-        flight.aids.append(
+        flight.inputs.append(
             FilterInputs(velocity=fix, declination=DECLINATION, inclination=DIP, zero_mean_velocity=False, **air)
         )
         flight.truth.append(tuple(float(x) for x in motion.q[k]))

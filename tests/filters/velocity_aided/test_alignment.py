@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from attest_mav.algebra import q_conj, q_from_euler, q_mul, rotate_back, tilt_between, unit
-from attest_mav.filters.velocity_aided.alignment.wahba import Pair, fitted, triad
+from attest_mav.filters.velocity_aided.alignment.wahba import VectorPair, solve_wahba, triad
 from attest_mav.types import North
 
 from .conftest import coordinated
@@ -16,7 +16,7 @@ Q = q_from_euler(0.7, -0.3, 2.1)
 
 def pair(world, sigma, error=(0.0, 0.0, 0.0)):
     world = unit(world)
-    return Pair(unit(tuple(b + e for b, e in zip(rotate_back(Q, world), error, strict=True))), world, sigma**2)
+    return VectorPair(unit(tuple(b + e for b, e in zip(rotate_back(Q, world), error, strict=True))), world, sigma**2)
 
 
 def test_triad_recovers_an_attitude():
@@ -31,7 +31,7 @@ def test_the_fit_weighs_its_pairs():
         pair((5.0, 1.0, -8.0), radians(0.1)),
         pair((0.4, 0.0, 0.9), radians(20.0), error=(0.03, -0.02, 0.0)),
     ]
-    fit = fitted(pairs)
+    fit = solve_wahba(pairs)
     assert degrees(2.0 * np.linalg.norm(q_mul(fit.q_nb, q_conj(Q))[1:])) < 0.01
 
 
@@ -41,7 +41,7 @@ def test_the_covariance_of_the_fit_is_that_of_its_errors():
     errors = []
     for _ in range(400):
         pairs = [pair(w, s, tuple(rng.normal(0.0, s, 3))) for w, s in zip(worlds, sigmas, strict=True)]
-        fit = fitted(pairs)
+        fit = solve_wahba(pairs)
         error = 2.0 * np.array(q_mul(Q, q_conj(fit.q_nb)))
         errors.append(np.sign(error[0]) * error[1:])
     ratio = np.linalg.eigvals(np.cov(np.array(errors).T) @ np.linalg.inv(np.array(fit.covariance)))
@@ -50,7 +50,7 @@ def test_the_covariance_of_the_fit_is_that_of_its_errors():
 
 
 def test_parallel_directions_make_no_attitude():
-    assert fitted([pair((0.0, 1.0, -9.0), 0.01), pair((0.0, -1.0, 9.0), 0.01)]) is None
+    assert solve_wahba([pair((0.0, 1.0, -9.0), 0.01), pair((0.0, -1.0, 9.0), 0.01)]) is None
 
 
 def test_on_the_ground_it_starts_within_a_second(plane_log):
@@ -113,7 +113,7 @@ def _step(flight, k, state):
             Start((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), North.RELATIVE, sample.accel, sample.mag, at_rest=False)
         )
     return VelocityAided().step(
-        state, 0.02, sample, FilterInputs(declination=flight.aids[k].declination, zero_mean_velocity=False)
+        state, 0.02, sample, FilterInputs(declination=flight.inputs[k].declination, zero_mean_velocity=False)
     )
 
 

@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from attest_mav.filters.velocity_aided.covariance import Covariance, Growth, Row, corrected, propagated, reach
+from attest_mav.filters.velocity_aided.covariance import (
+    Covariance,
+    Measurement,
+    ProcessNoise,
+    cross_covariance,
+    propagated,
+    updated_covariance,
+)
 from attest_mav.matrices import diagonal
 
 NAMES = "tvbsamd"
@@ -14,7 +21,7 @@ BLOCKS = [x + y for i, x in enumerate(NAMES) for y in NAMES[i:]]
 def from_dense(p):
     def block(name):
         i, j = (3 * NAMES.index(letter) for letter in name)
-        return tuple(tuple(float(x) for x in row) for row in p[i : i + 3, j : j + 3])
+        return tuple(tuple(float(x) for x in measurement) for measurement in p[i : i + 3, j : j + 3])
 
     return Covariance(*(block(name) for name in BLOCKS))
 
@@ -32,15 +39,15 @@ def skew(v):
     return np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
 
 
-def transition(turn, push, rate):
+def transition(rotation_dt, delta_velocity, rate):
     """The same step as one matrix: t' = t - turn (b + W s), v' = v - [push]x t' - turn a."""
     f = np.eye(SIZE)
-    f[0:3, 6:9] = -turn
-    f[0:3, 9:12] = -turn @ np.diag(rate)
-    f[3:6, 0:3] = -skew(push)
-    f[3:6, 6:9] = skew(push) @ turn
-    f[3:6, 9:12] = skew(push) @ turn @ np.diag(rate)
-    f[3:6, 12:15] = -turn
+    f[0:3, 6:9] = -rotation_dt
+    f[0:3, 9:12] = -rotation_dt @ np.diag(rate)
+    f[3:6, 0:3] = -skew(delta_velocity)
+    f[3:6, 6:9] = skew(delta_velocity) @ rotation_dt
+    f[3:6, 9:12] = skew(delta_velocity) @ rotation_dt @ np.diag(rate)
+    f[3:6, 12:15] = -rotation_dt
     return f
 
 
@@ -60,7 +67,7 @@ def floats(v):
 
 
 def tuples(m):
-    return tuple(floats(row) for row in m)
+    return tuple(floats(measurement) for measurement in m)
 
 
 def test_blocks_are_taken_and_given_back(dense):
@@ -68,10 +75,10 @@ def test_blocks_are_taken_and_given_back(dense):
 
 
 def test_propagation_is_f_p_f_transposed_plus_q(rng, dense):
-    turn, push, rate = 0.02 * rng.normal(size=(3, 3)), rng.normal(size=3), rng.normal(size=3)
-    growth = Growth(1e-3, 2e-3, 3e-3, 4e-3, 5e-3)
-    result = to_dense(propagated(from_dense(dense), tuples(turn), floats(push), floats(rate), growth))
-    f = transition(turn, push, rate)
+    rotation_dt, delta_velocity, rate = 0.02 * rng.normal(size=(3, 3)), rng.normal(size=3), rng.normal(size=3)
+    noise = ProcessNoise(1e-3, 2e-3, 3e-3, 4e-3, 5e-3)
+    result = to_dense(propagated(from_dense(dense), tuples(rotation_dt), floats(delta_velocity), floats(rate), noise))
+    f = transition(rotation_dt, delta_velocity, rate)
     q = np.diag(np.repeat([1e-3, 2e-3, 3e-3, 0.0, 4e-3, 5e-3, 0.0], 3))
     assert np.allclose(result, f @ dense @ f.T + q, rtol=1e-12, atol=1e-12)
 
@@ -83,14 +90,14 @@ def test_a_row_is_the_joseph_form(rng, dense):
         v = rng.normal(size=3)
         h[3 * NAMES.index(name) : 3 * NAMES.index(name) + 3] = v
         parts[name] = floats(v)
-    row = Row(0.3, **parts)
-    seen = reach(from_dense(dense), row)
-    assert seen.variance == pytest.approx(h @ dense @ h)
+    measurement = Measurement(0.3, **parts)
+    cross_cov = cross_covariance(from_dense(dense), measurement)
+    assert cross_cov.state_variance == pytest.approx(h @ dense @ h)
     variance = 0.7
     gain = dense @ h / (h @ dense @ h + variance)
     joseph = np.eye(SIZE) - np.outer(gain, h)
     expected = joseph @ dense @ joseph.T + variance * np.outer(gain, gain)
-    result = to_dense(corrected(from_dense(dense), seen, 1.0 / (seen.variance + variance)))
+    result = to_dense(updated_covariance(from_dense(dense), cross_cov, 1.0 / (cross_cov.state_variance + variance)))
     assert np.allclose(result, expected, rtol=1e-10, atol=1e-10)
 
 
@@ -98,13 +105,15 @@ def test_a_thousand_steps_and_rows_stay_symmetric_and_positive(rng):
     covariance = from_dense(np.diag(np.repeat([1e-3, 0.1, 1e-5, 1e-5, 1e-3, 1e-4, 1e-3], 3)))
     assert covariance.tt == diagonal(1e-3)
     for k in range(1000):
-        turn, push = np.linalg.qr(rng.normal(size=(3, 3)))[0] * 0.02, 0.2 * rng.normal(size=3)
-        growth = Growth(1e-8, 1e-6, 1e-12, 1e-12, 1e-12)
-        covariance = propagated(covariance, tuples(turn), floats(push), floats(rng.normal(size=3)), growth)
+        rotation_dt, delta_velocity = np.linalg.qr(rng.normal(size=(3, 3)))[0] * 0.02, 0.2 * rng.normal(size=3)
+        noise = ProcessNoise(1e-8, 1e-6, 1e-12, 1e-12, 1e-12)
+        covariance = propagated(
+            covariance, tuples(rotation_dt), floats(delta_velocity), floats(rng.normal(size=3)), noise
+        )
         if k % 5 == 0:
-            row = Row(0.0, t=floats(rng.normal(size=3)), v=(1.0, 0.0, 0.0), d=(0.0, 1.0, 0.0))
-            seen = reach(covariance, row)
-            covariance = corrected(covariance, seen, 1.0 / (seen.variance + 1e-4))
+            measurement = Measurement(0.0, t=floats(rng.normal(size=3)), v=(1.0, 0.0, 0.0), d=(0.0, 1.0, 0.0))
+            cross_cov = cross_covariance(covariance, measurement)
+            covariance = updated_covariance(covariance, cross_cov, 1.0 / (cross_cov.state_variance + 1e-4))
     p = to_dense(covariance)
     assert np.linalg.eigvalsh(p).min() > -1e-15
     assert np.allclose(np.array(covariance.vv), np.array(covariance.vv).T, rtol=0.0, atol=1e-15)

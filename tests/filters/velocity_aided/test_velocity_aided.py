@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from attest_mav.algebra import q_norm
 from attest_mav.filters.base import FilterInputs, Start
-from attest_mav.filters.velocity_aided.control import Aid
+from attest_mav.filters.velocity_aided.control import AidingMode
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.types import ImuSample, North, VelocitySample
@@ -26,9 +26,9 @@ def rms(x):
 def changed(flight, change):
     """The flight with ``change(k, sample, aids)`` applied to each sample from the start."""
     other = copy.copy(flight)
-    pairs = [change(k, s, a) for k, (s, a) in enumerate(zip(flight.samples, flight.aids, strict=True))]
+    pairs = [change(k, s, a) for k, (s, a) in enumerate(zip(flight.samples, flight.inputs, strict=True))]
     other.samples = [s for s, _ in pairs]
-    other.aids = [a for _, a in pairs]
+    other.inputs = [a for _, a in pairs]
     return other
 
 
@@ -38,14 +38,14 @@ def with_reading(sample, **others):
     return ImuSample(sample.source, 1, 1, sample.t_ns, sample.rx_ns, **values, quantum=sample.quantum)
 
 
-def with_aids(aids, **others):
+def with_inputs(inputs, **others):
     return FilterInputs(
-        velocity=others.get("velocity", aids.velocity),
-        declination=others.get("declination", aids.declination),
-        inclination=others.get("inclination", aids.inclination),
-        airspeed=others.get("airspeed", aids.airspeed),
-        goes_where_it_points=others.get("goes_where_it_points", aids.goes_where_it_points),
-        zero_mean_velocity=others.get("zero_mean_velocity", aids.zero_mean_velocity),
+        velocity=others.get("velocity", inputs.velocity),
+        declination=others.get("declination", inputs.declination),
+        inclination=others.get("inclination", inputs.inclination),
+        airspeed=others.get("airspeed", inputs.airspeed),
+        goes_where_it_points=others.get("goes_where_it_points", inputs.goes_where_it_points),
+        zero_mean_velocity=others.get("zero_mean_velocity", inputs.zero_mean_velocity),
     )
 
 
@@ -59,14 +59,14 @@ def test_s_turns_and_gusts_to_a_twentieth_of_a_degree(plane_log, copter_log):
         assert rms(tilt[1500:]) < 0.05
         assert rms(heading[1500:]) < 0.1
         assert VelocityAided().valid(states[-1])
-        assert states[-1].flying.aid == Aid.VELOCITY
+        assert states[-1].navigation.mode == AidingMode.VELOCITY
 
 
 def test_it_finds_the_delays(s_turns, telemetry):
     """GPS 0.16 s and compass 0.11 s late, against the 0.10 and 0.06 believed; the compass beyond the low-pass."""
     flight = telemetry(s_turns, fix_delay_s=0.16, mag_lag_s=0.11)
     states = flight.run()
-    mag, fix, _ = states[-1].flying.motion.delays
+    mag, fix, _ = states[-1].navigation.estimate.delays
     assert fix == pytest.approx(0.16, abs=0.01)
     assert mag == pytest.approx(0.11 - 0.01125, abs=0.01)
     assert rms(flight.errors(states)[0][1500:]) < 0.1
@@ -77,22 +77,22 @@ def test_it_finds_what_calibration_left(s_turns, telemetry):
     flight = telemetry(
         s_turns, integer=False, gyro_bias=bias, hard_iron=iron, gyro_noise=1e-3, accel_noise=0.1, mag_noise=2e-3
     )
-    motion = flight.run()[-1].flying.motion
-    assert np.degrees(motion.gyro_bias) == pytest.approx(np.degrees(bias), abs=0.05)
-    assert motion.hard_iron[:2] == pytest.approx(iron[:2], abs=0.003)
+    estimate = flight.run()[-1].navigation.estimate
+    assert np.degrees(estimate.gyro_bias) == pytest.approx(np.degrees(bias), abs=0.05)
+    assert estimate.hard_iron[:2] == pytest.approx(iron[:2], abs=0.003)
 
 
 def test_a_wrong_declination_is_corrected_by_the_velocity(plane_log):
-    wrong = changed(plane_log, lambda _k, s, a: (s, with_aids(a, declination=a.declination + radians(1.5))))
+    wrong = changed(plane_log, lambda _k, s, a: (s, with_inputs(a, declination=a.declination + radians(1.5))))
     states = wrong.run()
     _, heading = wrong.errors(states)
     assert rms(heading[100:400]) == pytest.approx(1.5, abs=0.2)
     assert rms(heading[-1500:]) < 0.3
-    assert degrees(states[-1].flying.motion.delays[2]) == pytest.approx(-1.5, abs=0.3)
+    assert degrees(states[-1].navigation.estimate.delays[2]) == pytest.approx(-1.5, abs=0.3)
 
 
 def test_a_declination_that_comes_late_turns_the_heading(plane_log):
-    late = changed(plane_log, lambda k, s, a: (s, with_aids(a, declination=nan if k < 300 else a.declination)))
+    late = changed(plane_log, lambda k, s, a: (s, with_inputs(a, declination=nan if k < 300 else a.declination)))
     states = late.run(last=400)
     _, heading = late.errors(states)
     assert states[250].referred_to == North.MAGNETIC
@@ -121,7 +121,7 @@ def without_fixes(flight, first, last):
     return changed(
         flight,
         lambda k, s, a: (
-            (s, with_aids(a, velocity=None if k >= first + 100 else flight.aids[first].velocity))
+            (s, with_inputs(a, velocity=None if k >= first + 100 else flight.inputs[first].velocity))
             if first <= k < last
             else (s, a)
         ),
@@ -133,7 +133,7 @@ def test_lost_fixes_are_coasted_over_with_growing_sigma(copter_log):
     states = outage.run(last=4000)
     tilt, _ = outage.errors(states)
     assert tilt[3999] < 1.0
-    assert states[3999].flying.aid == Aid.COASTING
+    assert states[3999].navigation.mode == AidingMode.COASTING
     assert degrees(states[3999].tilt_sigma) > 2.0 * degrees(states[2490].tilt_sigma)
     assert tilt[3999] < 3.0 * degrees(states[3999].tilt_sigma)
 
@@ -142,7 +142,7 @@ def test_a_wing_goes_on_with_its_airspeed(s_turns, telemetry):
     outage = without_fixes(telemetry(s_turns, airspeed=True), 2500, 6000)
     states = outage.run()
     tilt, heading = outage.errors(states)
-    assert states[-1].flying.aid == Aid.AIRSPEED
+    assert states[-1].navigation.mode == AidingMode.AIRSPEED
     assert np.nanmax(tilt[2500:]) < 1.0
     assert np.nanmax(np.abs(heading[2500:])) < 1.5
 
@@ -151,16 +151,16 @@ def test_a_copter_falls_back_on_gravity_after_a_while(copter_log):
     outage = without_fixes(copter_log, 2000, 5000)
     tilt, _ = outage.errors(outage.run())
     states = outage.run()
-    assert states[-1].flying.aid == Aid.GRAVITY
+    assert states[-1].navigation.mode == AidingMode.GRAVITY
     assert states[-1].accel_used
     assert np.nanmax(tilt[2000:]) < 3.0
 
 
 def test_no_velocity_at_all(copter_log):
-    blind = changed(copter_log, lambda k, s, a: (s, with_aids(a, velocity=None, zero_mean_velocity=k < 500)))
+    blind = changed(copter_log, lambda k, s, a: (s, with_inputs(a, velocity=None, zero_mean_velocity=k < 500)))
     states = blind.run()
     tilt, heading = blind.errors(states)
-    assert states[300].flying.aid == Aid.REST
+    assert states[300].navigation.mode == AidingMode.STATIONARY
     assert rms(tilt[1500:]) < 2.5
     assert np.mean(tilt[1500:] < 3.0 * np.degrees([s.tilt_sigma for s in states[1500:]])) > 0.99
     assert rms(heading[1500:]) < 3.0
@@ -176,7 +176,7 @@ def test_a_disturbed_field_turns_the_heading_little(plane_log):
     tilt, heading = disturbed.errors(states)
     assert np.nanmax(np.abs(heading[3000:])) < 2.0
     assert np.nanmax(tilt[3000:]) < 1.0
-    assert states[3500].flying.compass.disturbance > 0.03
+    assert states[3500].navigation.magnetometer.disturbance > 0.03
 
 
 def test_without_a_field_the_velocity_holds_the_heading(plane_log):
@@ -207,13 +207,13 @@ def test_a_gap_keeps_the_bias_and_aligns_again(s_turns, telemetry):
     flight = telemetry(s_turns, gyro_bias=(radians(0.5), 0.0, radians(-0.4)))
     kept = [k for k in range(len(flight.samples)) if not 3000 <= k < 3200]
     gap = copy.copy(flight)
-    gap.samples, gap.aids, gap.truth = (
-        [values[k] for k in kept] for values in (flight.samples, flight.aids, flight.truth)
+    gap.samples, gap.inputs, gap.truth = (
+        [values[k] for k in kept] for values in (flight.samples, flight.inputs, flight.truth)
     )
     states = gap.run()
     tilt, _ = gap.errors(states)
     assert not states[3000].aligned
-    assert states[3000].flying is not None
+    assert states[3000].navigation is not None
     assert states[3150].aligned
     assert np.nanmax(tilt[3001:]) < 2.0
     assert np.degrees(states[3150].gyro_bias) == pytest.approx([0.5, 0.0, -0.4], abs=0.15)
@@ -223,12 +223,12 @@ def test_a_wrong_attitude_is_given_up(plane_log):
     """Fixes of another motion contradict the attitude: alignment begins again, and ends when they are right."""
     north = VelocitySample("GPS_RAW_INT", 1, 1, 0, 0, (0.0, 0.0, 0.0), False, RECEIVER)
 
-    def other(k, sample, aids):
+    def other(k, sample, inputs):
         if not 3000 <= k < 3300:
-            return sample, aids
-        v = aids.velocity
+            return sample, inputs
+        v = inputs.velocity
         turned = (-v.v_ned[1], v.v_ned[0], 0.0)
-        return sample, with_aids(aids, velocity=VelocitySample(v.source, 1, 1, v.t_ns, 0, turned, False, RECEIVER))
+        return sample, with_inputs(inputs, velocity=VelocitySample(v.source, 1, 1, v.t_ns, 0, turned, False, RECEIVER))
 
     assert north.v_ned[0] == 0.0
     states = changed(plane_log, other).run()
@@ -239,12 +239,12 @@ def test_a_wrong_attitude_is_given_up(plane_log):
 
 
 def test_a_wild_fix_now_and_then_does_not_cost_the_attitude(plane_log):
-    def wild(k, sample, aids):
-        v = aids.velocity
+    def wild(k, sample, inputs):
+        v = inputs.velocity
         if not (1200 <= k < 1400 and k // 10 % 5 == 0):  # one fix in five
-            return sample, aids
-        return sample, with_aids(
-            aids, velocity=VelocitySample(v.source, 1, 1, v.t_ns, 0, (650.0, 0.0, 0.0), False, RECEIVER)
+            return sample, inputs
+        return sample, with_inputs(
+            inputs, velocity=VelocitySample(v.source, 1, 1, v.t_ns, 0, (650.0, 0.0, 0.0), False, RECEIVER)
         )
 
     states = changed(plane_log, wild).run(last=1500)
@@ -257,16 +257,16 @@ def test_a_wild_fix_now_and_then_does_not_cost_the_attitude(plane_log):
 def test_fixes_that_freeze_lead_astray_but_sigma_says_so(plane_log):
     """A receiver that repeats one velocity makes an attitude of its own: it is shown with doubt, until that fades."""
 
-    def frozen(k, sample, aids):
-        v = aids.velocity
+    def frozen(k, sample, inputs):
+        v = inputs.velocity
         if not 3000 <= k < 3800:
-            return sample, aids
+            return sample, inputs
         still = VelocitySample(v.source, 1, 1, v.t_ns, 0, (20.0, 0.0, 0.0), False, RECEIVER)
-        return sample, with_aids(aids, velocity=still)
+        return sample, with_inputs(inputs, velocity=still)
 
     states = changed(plane_log, frozen).run(last=5500)
     tilt, heading = plane_log.errors(states)
-    after = [k for k in range(3000, 5500) if states[k].aligned and states[k].doubt > 0.0]
+    after = [k for k in range(3000, 5500) if states[k].aligned and states[k].reset_sigma > 0.0]
     assert max(tilt[after]) > 20.0
     assert np.nanmean([tilt[k] < 3.0 * degrees(states[k].tilt_sigma) for k in after]) > 0.99
     assert np.nanmean([abs(heading[k]) < 3.0 * degrees(states[k].heading_sigma) for k in after]) > 0.99
@@ -279,7 +279,7 @@ def test_fixes_that_freeze_lead_astray_but_sigma_says_so(plane_log):
 def test_a_start_in_motion_without_a_velocity_is_a_guess_and_says_so(circles, telemetry, airspeed):
     """A wing that circles feels its own axis for gravity: the attitude is 40 degrees wrong, and sigma has to say it."""
     flight = telemetry(circles, airspeed=airspeed)
-    states = changed(flight, lambda _, s, a: (s, with_aids(a, velocity=None))).run(first=500)
+    states = changed(flight, lambda _, s, a: (s, with_inputs(a, velocity=None))).run(first=500)
     tilt, _ = flight.errors(states, first=500)
     shown = [k for k, s in enumerate(states) if s.aligned]
     assert not any(VelocityAided().valid(states[k]) for k in shown if tilt[k] > 3.0)
@@ -293,39 +293,39 @@ def test_a_start_in_motion_names_the_velocity_once_it_has_a_row(plane_log):
 
 
 FLIGHTS = {
-    Aid.VELOCITY: {},
-    Aid.REST: {"zero_mean_velocity": True},
-    Aid.COASTING: {},
-    Aid.AIRSPEED: wing(20.0),
-    Aid.GRAVITY: {},
-    Aid.PLACE: {"zero_mean_velocity": True},
+    AidingMode.VELOCITY: {},
+    AidingMode.STATIONARY: {"zero_mean_velocity": True},
+    AidingMode.COASTING: {},
+    AidingMode.AIRSPEED: wing(20.0),
+    AidingMode.GRAVITY: {},
+    AidingMode.ZERO_MEAN_VELOCITY: {"zero_mean_velocity": True},
 }
 """What each mode needs besides fixes, or their loss."""
 
 
-def in_mode(flight, aid):
+def in_mode(flight, mode):
     """700 samples of the flight in one mode, from take-off on; at rest from the first sample on."""
-    never = aid in {Aid.REST, Aid.GRAVITY, Aid.PLACE}
-    lost_from = 0 if never else 10**6 if aid == Aid.VELOCITY else 800
+    never = mode in {AidingMode.STATIONARY, AidingMode.GRAVITY, AidingMode.ZERO_MEAN_VELOCITY}
+    lost_from = 0 if never else 10**6 if mode == AidingMode.VELOCITY else 800
 
-    def change(k, sample, aids):
-        return sample, with_aids(aids, velocity=None if k >= lost_from else aids.velocity, **FLIGHTS[aid])
+    def change(k, sample, inputs):
+        return sample, with_inputs(inputs, velocity=None if k >= lost_from else inputs.velocity, **FLIGHTS[mode])
 
-    return changed(flight, change), 0 if aid == Aid.REST else 450
+    return changed(flight, change), 0 if mode == AidingMode.STATIONARY else 450
 
 
-@pytest.mark.parametrize("aid", list(Aid))
-def test_a_split_run_is_a_whole_one_bit_for_bit(plane_log, copter_log, aid):
-    flight, first = in_mode(plane_log if aid == Aid.AIRSPEED else copter_log, aid)
+@pytest.mark.parametrize("mode", list(AidingMode))
+def test_a_split_run_is_a_whole_one_bit_for_bit(plane_log, copter_log, mode):
+    flight, first = in_mode(plane_log if mode == AidingMode.AIRSPEED else copter_log, mode)
     last, cut = first + 700, first + 480
     whole = flight.run(first=first, last=last)
-    assert aid in {state.flying.aid for state in whole[400:480] if state.aligned}
+    assert mode in {state.navigation.mode for state in whole[400:480] if state.aligned}
     rest = flight.run(state=whole[cut - first - 1], first=cut, last=last)
     again = flight.run(first=first, last=last)
     for other in (rest[-1], again[-1]):
         assert other.q_nb == whole[-1].q_nb
         assert (other.tilt_sigma, other.heading_sigma) == (whole[-1].tilt_sigma, whole[-1].heading_sigma)
-        assert other.flying.motion.velocity == whole[-1].flying.motion.velocity
+        assert other.navigation.estimate.velocity == whole[-1].navigation.estimate.velocity
         assert other.gyro_bias == whole[-1].gyro_bias
 
 
@@ -335,7 +335,7 @@ VECTOR = st.tuples(NUMBER, NUMBER, NUMBER)
 
 
 @pytest.fixture(scope="module")
-def flying(plane_log):
+def navigating(plane_log):
     """The state after twenty seconds."""
     return plane_log.run(last=1000)[-1]
 
@@ -344,10 +344,10 @@ def flying(plane_log):
 @given(
     readings=st.lists(st.tuples(VECTOR, VECTOR, st.none() | VECTOR, st.floats(1e-3, 0.9), st.booleans()), max_size=12)
 )
-def test_no_reading_breaks_it(plane_log, flying, readings):
+def test_no_reading_breaks_it(plane_log, navigating, readings):
     """Whatever comes, the quaternion is a unit one, and good readings afterwards bring the attitude back."""
     chosen = VelocityAided()
-    state = flying
+    state = navigating
     t_ns = plane_log.samples[999].t_ns
     for gyro, accel, mag, dt_s, saturated in readings:
         t_ns += round(dt_s * 1e9)
@@ -358,12 +358,12 @@ def test_no_reading_breaks_it(plane_log, flying, readings):
         assert state.tilt_sigma >= 0.0
     shift = t_ns - plane_log.samples[999].t_ns
     for k in range(1000, 1400):
-        sample, fix = plane_log.samples[k], plane_log.aids[k].velocity
+        sample, fix = plane_log.samples[k], plane_log.inputs[k].velocity
         moved = ImuSample(
             "RAW_IMU", 1, 1, sample.t_ns + shift, 0, sample.gyro, sample.accel, sample.mag, quantum=sample.quantum
         )
         moved_fix = VelocitySample(fix.source, 1, 1, fix.t_ns + shift, 0, fix.v_ned, False, RECEIVER)
-        state = chosen.step(state, 0.02, moved, with_aids(plane_log.aids[k], velocity=moved_fix))
+        state = chosen.step(state, 0.02, moved, with_inputs(plane_log.inputs[k], velocity=moved_fix))
     assert state.aligned
 
 
@@ -377,9 +377,9 @@ def test_an_accelerometer_without_a_value_is_bridged(plane_log):
 def test_a_dead_accelerometer_gives_no_attitude_and_does_no_harm(plane_log, has_fixes):
     """An accelerometer of zeros in flight, from the start or later: nothing is claimed until it comes back."""
 
-    def dead(k, sample, aids):
-        aids = aids if has_fixes else with_aids(aids, velocity=None)
-        return (with_reading(sample, accel=(0.0, 0.0, 0.0)) if k < 2000 else sample), aids
+    def dead(k, sample, inputs):
+        inputs = inputs if has_fixes else with_inputs(inputs, velocity=None)
+        return (with_reading(sample, accel=(0.0, 0.0, 0.0)) if k < 2000 else sample), inputs
 
     states = changed(plane_log, dead).run(first=1500, last=3000)
     assert not any(s.aligned for s in states[:500])
@@ -394,17 +394,17 @@ def test_a_speed_that_is_none_is_not_read(plane_log, speed):
     """As a velocity, and as an airspeed when there is none."""
     lost = VelocitySample("GPS_RAW_INT", 1, 1, 0, 0, (speed, 0.0, 0.0), False, RECEIVER)
 
-    def change(k, sample, aids):
+    def change(k, sample, inputs):
         if k < 1500:
-            return sample, aids
+            return sample, inputs
         late = VelocitySample(lost.source, 1, 1, sample.t_ns, 0, lost.v_ned, False, RECEIVER)
-        return sample, with_aids(aids, velocity=late, **wing(speed))
+        return sample, with_inputs(inputs, velocity=late, **wing(speed))
 
     flight = changed(plane_log, change)
     states = flight.run(first=1000, last=1800)
     tilt, _ = flight.errors(states, 1000)
     assert all(state.aligned for state in states[500:])
-    assert states[-1].flying.aid == Aid.COASTING
+    assert states[-1].navigation.mode == AidingMode.COASTING
     assert np.max(tilt[500:]) < 0.5
 
 
@@ -422,7 +422,7 @@ def test_a_start_without_a_force_waits(plane_log, falls):
             state = VelocityAided().initial(
                 Start((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), North.RELATIVE, nothing.accel, None, at_rest=False)
             )
-        state = VelocityAided().step(state, 0.02, nothing, with_aids(plane_log.aids[1000 + k], velocity=fix))
+        state = VelocityAided().step(state, 0.02, nothing, with_inputs(plane_log.inputs[1000 + k], velocity=fix))
         assert not state.aligned
         assert q_norm(state.q_nb) == pytest.approx(1.0)
 
@@ -431,25 +431,25 @@ def test_a_clock_that_wraps_costs_no_fixes(plane_log):
     """time_boot_ms has 32 bits; the sensor goes on, only its numbers begin anew."""
     wrap = 4_294_967_296_000_000
 
-    def change(_k, sample, aids):
+    def change(_k, sample, inputs):
         shift = wrap - 40 * 10**9
-        fix, t_ns = aids.velocity, (sample.t_ns + shift) % wrap
+        fix, t_ns = inputs.velocity, (sample.t_ns + shift) % wrap
         late = VelocitySample(fix.source, 1, 1, (fix.t_ns + shift) % wrap, 0, fix.v_ned, False, RECEIVER)
         moved = ImuSample("RAW_IMU", 1, 1, t_ns, 0, sample.gyro, sample.accel, sample.mag, quantum=sample.quantum)
-        return moved, with_aids(aids, velocity=late)
+        return moved, with_inputs(inputs, velocity=late)
 
     flight = changed(plane_log, change)
     chosen, state, states = VelocityAided(), None, []
-    for sample, aids in zip(flight.samples[1200:2600], flight.aids[1200:2600], strict=True):
+    for sample, inputs in zip(flight.samples[1200:2600], flight.inputs[1200:2600], strict=True):
         if state is None:
             state = chosen.initial(
                 Start((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), North.RELATIVE, sample.accel, sample.mag, at_rest=False)
             )
-        state = chosen.step(state, 0.02, sample, aids)
+        state = chosen.step(state, 0.02, sample, inputs)
         states.append(state)
     tilt, _ = flight.errors(states, 1200)
-    assert states[-1].flying.aid == Aid.VELOCITY
-    assert all(state.flying.fixes.lost_s < 1.5 for state in states[400:])
+    assert states[-1].navigation.mode == AidingMode.VELOCITY
+    assert all(state.navigation.gnss.since_fused_s < 1.5 for state in states[400:])
     assert np.max(tilt[600:]) < 0.5
 
 
@@ -477,7 +477,7 @@ def test_an_hour_on_the_ground_teaches_nothing_of_the_sensors(telemetry, copter)
     """With fixes: noise must not be taken for motion that shows scales, delays, and the accelerometer's bias."""
     rng = np.random.default_rng(2)
     flight = telemetry(copter)
-    still, aids = flight.samples[10], flight.aids[10]
+    still, inputs = flight.samples[10], flight.inputs[10]
     chosen = VelocityAided()
     state = chosen.initial(Start((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), North.RELATIVE, still.accel, still.mag, False))
     for k in range(1, 4 * 3600):
@@ -493,11 +493,11 @@ def test_an_hour_on_the_ground_teaches_nothing_of_the_sensors(telemetry, copter)
         )
         fix = VelocitySample("GPS_RAW_INT", 1, 1, t_ns, 0, (v[0], v[1], 0.0), False, RECEIVER)
         state = chosen.step(
-            state, 0.25, ImuSample("HIGHRES_IMU", 1, 1, t_ns, t_ns, gyro, accel, mag), with_aids(aids, velocity=fix)
+            state, 0.25, ImuSample("HIGHRES_IMU", 1, 1, t_ns, t_ns, gyro, accel, mag), with_inputs(inputs, velocity=fix)
         )
-    motion = state.flying.motion
-    assert motion.gyro_scale == pytest.approx((0.0, 0.0, 0.0), abs=5e-4)
-    assert motion.delays[:2] == pytest.approx((0.06, 0.1), abs=0.005)
-    assert motion.accel_bias == pytest.approx((0.0, 0.0, 0.0), abs=0.03)
-    assert np.linalg.norm(motion.hard_iron) < 0.01
+    estimate = state.navigation.estimate
+    assert estimate.gyro_scale == pytest.approx((0.0, 0.0, 0.0), abs=5e-4)
+    assert estimate.delays[:2] == pytest.approx((0.06, 0.1), abs=0.005)
+    assert estimate.accel_bias == pytest.approx((0.0, 0.0, 0.0), abs=0.03)
+    assert np.linalg.norm(estimate.hard_iron) < 0.01
     assert degrees(state.heading_sigma) > 2.0

@@ -14,8 +14,14 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import clamp, cross, dot, mat_vec, norm, q_exp, q_mul, q_to_matrix, scale, sub
-from attest_mav.filters.velocity_aided.covariance import Row
-from attest_mav.filters.velocity_aided.nav_state import STILL_RATE, Motion, reach_of, shown, taken
+from attest_mav.filters.velocity_aided.covariance import Measurement
+from attest_mav.filters.velocity_aided.nav_state import (
+    DEADBAND_RATE,
+    NavigationState,
+    cross_covariance_of,
+    deadband,
+    fuse,
+)
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.prediction import dequantised
 from attest_mav.matrices import mat_t_vec
@@ -40,7 +46,7 @@ LAG_ERROR_S: Final = 0.03
 
 
 @mypyc_attr(acyclic=True)
-class Compass:
+class Magnetometer:
     """What is remembered of the field, and the record of the last reading.
 
     last: the last reading, gauss, as received. held_s: since one was used. lost_s: since a reading
@@ -52,33 +58,33 @@ class Compass:
 
     def __init__(
         self,
-        last: Vec3,
-        held_s: float,
-        lost_s: float,
-        strength: float,
-        dip: float,
+        last_reading: Vec3,
+        since_reading_s: float,
+        since_accepted_s: float,
+        usual_strength: float,
+        usual_inclination_sine: float,
         disturbance: float,
-        power: float,
+        innovation_power: float,
         innovation: float,
         nis: float,
         used: bool,
     ) -> None:
-        self.last: Final = last
-        self.held_s: Final = held_s
-        self.lost_s: Final = lost_s
-        self.strength: Final = strength
-        self.dip: Final = dip
+        self.last_reading: Final = last_reading
+        self.since_reading_s: Final = since_reading_s
+        self.since_accepted_s: Final = since_accepted_s
+        self.usual_strength: Final = usual_strength
+        self.usual_inclination_sine: Final = usual_inclination_sine
         self.disturbance: Final = disturbance
-        self.power: Final = power
+        self.innovation_power: Final = innovation_power
         self.innovation: Final = innovation
         self.nis: Final = nis
         self.used: Final = used
 
 
-def no_field(settings: FlightParameters) -> Compass:
+def initial_magnetometer(parameters: FlightParameters) -> Magnetometer:
     """Before the first reading."""
-    power = (settings.mag_sigma / NOISE_FACTOR) ** 2
-    return Compass((0.0, 0.0, 0.0), 0.0, 1e9, 0.0, 0.0, 0.0, power, 0.0, 0.0, False)
+    innovation_power = (parameters.mag_sigma / NOISE_FACTOR) ** 2
+    return Magnetometer((0.0, 0.0, 0.0), 0.0, 1e9, 0.0, 0.0, 0.0, innovation_power, 0.0, 0.0, False)
 
 
 def field_of(sample: ImuSample) -> Vec3 | None:
@@ -89,128 +95,140 @@ def field_of(sample: ImuSample) -> Vec3 | None:
     return dequantised(mag, sample.quantum.mag)
 
 
-def is_due(compass: Compass, sample: ImuSample, dt_s: float, settings: FlightParameters) -> bool:
+def reading_is_due(magnetometer: Magnetometer, sample: ImuSample, dt_s: float, parameters: FlightParameters) -> bool:
     """True when the sample's reading is a new one, and far enough from the last one used.
 
     One that comes too soon is not used later: it would be older than its lag says.
     """
-    since_s = compass.held_s + dt_s
-    if sample.mag != compass.last:
-        return since_s > settings.mag_spacing_s or compass.strength <= 0.0
+    since_s = magnetometer.since_reading_s + dt_s
+    if sample.mag != magnetometer.last_reading:
+        return since_s > parameters.mag_spacing_s or magnetometer.usual_strength <= 0.0
     return since_s > REUSE_S and norm(sample.gyro) < REST_RATE
 
 
-def unread(compass: Compass, sample: ImuSample, dt_s: float) -> Compass:
+def skip_reading(magnetometer: Magnetometer, sample: ImuSample, dt_s: float) -> Magnetometer:
     """The memory after a step whose reading is not used."""
-    return Compass(
-        compass.last if sample.mag is None else sample.mag,
-        compass.held_s + dt_s,
-        compass.lost_s,
-        compass.strength,
-        compass.dip,
-        compass.disturbance,
-        compass.power,
-        compass.innovation,
-        compass.nis,
+    return Magnetometer(
+        magnetometer.last_reading if sample.mag is None else sample.mag,
+        magnetometer.since_reading_s + dt_s,
+        magnetometer.since_accepted_s,
+        magnetometer.usual_strength,
+        magnetometer.usual_inclination_sine,
+        magnetometer.disturbance,
+        magnetometer.innovation_power,
+        magnetometer.innovation,
+        magnetometer.nis,
         False,
     )
 
 
-def steered(
-    motion: Motion,
-    compass: Compass,
+def fuse_magnetometer(
+    nav: NavigationState,
+    magnetometer: Magnetometer,
     sample: ImuSample,
     field: Vec3,
     rate: Vec3,
     dt_s: float,
     declination: float,
-    teaches: bool,
-    settings: FlightParameters,
-) -> tuple[Motion, Compass]:
+    estimates_sensors: bool,
+    parameters: FlightParameters,
+) -> tuple[NavigationState, Magnetometer]:
     """Motion and memory after a new reading. ``field``: gauss. ``rate``: of the body, rad/s.
 
     teaches: it may tell something of the sensors.
     """
-    row, levelled, strength = compass_row(motion, field, rate, declination)
-    watched = _watch(compass, motion, strength, levelled[2], norm(rate), dt_s, settings)
-    seen = reach_of(motion, row)
-    sigma = clamp(NOISE_FACTOR * sqrt(compass.power), settings.mag_floor, settings.mag_ceiling)
-    usual = sigma * sigma + (settings.mag_jitter_s * row.d[0]) ** 2
-    surprise = abs(row.residual) / sqrt(seen.variance + usual)
-    agrees = surprise < settings.mag_gate
-    disturbance = watched.disturbance if agrees else max(watched.disturbance, abs(row.residual))
+    measurement, direction, strength = heading_measurement(nav, field, rate, declination)
+    monitored = _monitor_field(magnetometer, nav, strength, direction[2], norm(rate), dt_s, parameters)
+    cross_cov = cross_covariance_of(nav, measurement)
+    sigma = clamp(NOISE_FACTOR * sqrt(magnetometer.innovation_power), parameters.mag_floor, parameters.mag_ceiling)
+    nominal_variance = sigma * sigma + (parameters.mag_jitter_s * measurement.d[0]) ** 2
+    normalised = abs(measurement.residual) / sqrt(cross_cov.state_variance + nominal_variance)
+    agrees = normalised < parameters.mag_gate
+    disturbance = monitored.disturbance if agrees else max(monitored.disturbance, abs(measurement.residual))
     # Equivalent variance of paper 2, eq. (16): from the knee on it grows with the residual.
-    variance = usual * max(1.0, surprise / settings.mag_knee) + (settings.disturbance_weight * disturbance) ** 2
-    power = compass.power
+    variance = (
+        nominal_variance * max(1.0, normalised / parameters.mag_knee)
+        + (parameters.disturbance_weight * disturbance) ** 2
+    )
+    innovation_power = magnetometer.innovation_power
     if agrees:
-        power += POWER_SHARE * (min(row.residual**2, POWER_STEP * power + 1e-8) - power)
-    return taken(motion, row, seen, variance, teaches), Compass(
-        compass.last if sample.mag is None else sample.mag,
+        innovation_power += POWER_SHARE * (
+            min(measurement.residual**2, POWER_STEP * innovation_power + 1e-8) - innovation_power
+        )
+    return fuse(nav, measurement, cross_cov, variance, estimates_sensors), Magnetometer(
+        magnetometer.last_reading if sample.mag is None else sample.mag,
         0.0,
-        0.0 if agrees else compass.lost_s + compass.held_s + dt_s,
-        watched.strength,
-        watched.dip,
+        0.0 if agrees else magnetometer.since_accepted_s + magnetometer.since_reading_s + dt_s,
+        monitored.strength,
+        monitored.inclination_sine,
         disturbance,
-        power,
-        row.residual,
-        surprise * surprise,
+        innovation_power,
+        measurement.residual,
+        normalised * normalised,
         agrees,
     )
 
 
-def compass_row(motion: Motion, field: Vec3, rate: Vec3, declination: float) -> tuple[Row, Vec3, float]:
+def heading_measurement(
+    nav: NavigationState, field: Vec3, rate: Vec3, declination: float
+) -> tuple[Measurement, Vec3, float]:
     """The row of a reading, the field's direction in NED without the iron, and its strength, gauss.
 
     The residual is the component along magnetic east, as a share of the strength, with its sign changed.
     """
-    iron_free = sub(field, motion.hard_iron)
+    iron_free = sub(field, nav.hard_iron)
     strength = norm(iron_free)
     # The attitude at the time of the reading: the lag is short enough to turn back at the present rate.
-    then = q_to_matrix(q_mul(motion.q_nb, q_exp(scale(rate, -0.5 * motion.delays[0]))))
-    levelled = scale(mat_vec(then, iron_free), 1.0 / strength)
-    north = declination + motion.delays[2]
+    then = q_to_matrix(q_mul(nav.q_nb, q_exp(scale(rate, -0.5 * nav.delays[0]))))
+    direction = scale(mat_vec(then, iron_free), 1.0 / strength)
+    north = declination + nav.delays[2]
     east: Vec3 = (-sin(north), cos(north), 0.0)
-    lag = mat_vec(then, scale(cross(shown(rate, STILL_RATE), iron_free), 1.0 / strength))
-    row = Row(
-        -dot(east, levelled),
-        t=cross(levelled, east),
+    lag = mat_vec(then, scale(cross(deadband(rate, DEADBAND_RATE), iron_free), 1.0 / strength))
+    measurement = Measurement(
+        -dot(east, direction),
+        t=cross(direction, east),
         m=scale(mat_t_vec(then, east), -1.0 / strength),
-        d=(-dot(east, lag), 0.0, -(cos(north) * levelled[0] + sin(north) * levelled[1])),
+        d=(-dot(east, lag), 0.0, -(cos(north) * direction[0] + sin(north) * direction[1])),
     )
-    return row, levelled, strength
+    return measurement, direction, strength
 
 
 @mypyc_attr(acyclic=True)
-class Watched:
+class MonitoredField:
     """The usual field and the remembered disturbance after a reading."""
 
-    def __init__(self, strength: float, dip: float, disturbance: float) -> None:
+    def __init__(self, strength: float, inclination_sine: float, disturbance: float) -> None:
         self.strength: Final = strength
-        self.dip: Final = dip
+        self.inclination_sine: Final = inclination_sine
         self.disturbance: Final = disturbance
 
 
-def _watch(
-    compass: Compass,
-    motion: Motion,
+def _monitor_field(
+    magnetometer: Magnetometer,
+    nav: NavigationState,
     strength: float,
-    dip: float,
+    inclination_sine: float,
     rate: float,
     dt_s: float,
-    settings: FlightParameters,
-) -> Watched:
+    parameters: FlightParameters,
+) -> MonitoredField:
     """Compare strength and dip with the usual ones. The dip may also be off by what the tilt may be off."""
-    if compass.strength <= 0.0:
-        return Watched(strength, dip, 0.0)
-    free = settings.disturbance_free
-    off_strength = max(0.0, abs(strength / compass.strength - 1.0) - free)
-    off_dip = max(0.0, abs(dip - compass.dip) - free - 3.0 * motion.tilt_sigma - LAG_ERROR_S * rate)
-    off = sqrt(off_strength * off_strength + off_dip * off_dip)
-    since_s = compass.held_s + dt_s
-    disturbance = max(off, compass.disturbance * exp(-since_s / settings.disturbance_hold_s))
+    if magnetometer.usual_strength <= 0.0:
+        return MonitoredField(strength, inclination_sine, 0.0)
+    free = parameters.disturbance_free
+    off_strength = max(0.0, abs(strength / magnetometer.usual_strength - 1.0) - free)
+    off_inclination = max(
+        0.0,
+        abs(inclination_sine - magnetometer.usual_inclination_sine) - free - 3.0 * nav.tilt_sigma - LAG_ERROR_S * rate,
+    )
+    off = sqrt(off_strength * off_strength + off_inclination * off_inclination)
+    since_s = magnetometer.since_reading_s + dt_s
+    disturbance = max(off, magnetometer.disturbance * exp(-since_s / parameters.disturbance_hold_s))
     if off >= free:
-        return Watched(compass.strength, compass.dip, disturbance)
+        return MonitoredField(magnetometer.usual_strength, magnetometer.usual_inclination_sine, disturbance)
     share = min(1.0, since_s / USUAL_S)
-    return Watched(
-        compass.strength + share * (strength - compass.strength), compass.dip + share * (dip - compass.dip), disturbance
+    return MonitoredField(
+        magnetometer.usual_strength + share * (strength - magnetometer.usual_strength),
+        magnetometer.usual_inclination_sine + share * (inclination_sine - magnetometer.usual_inclination_sine),
+        disturbance,
     )

@@ -8,10 +8,9 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import add, norm, scale, sub
-from attest_mav.filters.velocity_aided.aids.gnss_velocity import unit_axis
-from attest_mav.filters.velocity_aided.covariance import Row
-from attest_mav.filters.velocity_aided.nav_state import Motion, reach_of, taken, with_variances
+from attest_mav.algebra import add, norm, scale, sub, unit_axis
+from attest_mav.filters.velocity_aided.covariance import Measurement
+from attest_mav.filters.velocity_aided.nav_state import NavigationState, cross_covariance_of, fuse, with_variances
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.prediction import Reading
 from attest_mav.types import Vec3
@@ -39,52 +38,56 @@ VELOCITY_SIGMA: Final = 0.05
 
 
 @mypyc_attr(acyclic=True)
-class Rest:
+class Stationary:
     """Running means (rad/s, m/s^2), and times, s.
 
     steady_s: for how long the sensors have been quiet. quiet_s: the same, while there was no speed. waited_s: since
     the last rows.
     """
 
-    def __init__(self, gyro: Vec3, accel: Vec3, steady_s: float, quiet_s: float, waited_s: float) -> None:
-        self.gyro: Final = gyro
-        self.accel: Final = accel
-        self.steady_s: Final = steady_s
+    def __init__(
+        self, mean_gyro: Vec3, mean_accel: Vec3, quiet_s: float, still_s: float, since_update_s: float
+    ) -> None:
+        self.mean_gyro: Final = mean_gyro
+        self.mean_accel: Final = mean_accel
         self.quiet_s: Final = quiet_s
-        self.waited_s: Final = waited_s
+        self.still_s: Final = still_s
+        self.since_update_s: Final = since_update_s
 
     @property
-    def resting(self) -> bool:
+    def is_stationary(self) -> bool:
         """True while the vehicle stands still."""
-        return self.quiet_s >= QUIET_S
+        return self.still_s >= QUIET_S
 
     @property
-    def settled(self) -> bool:
+    def is_settled(self) -> bool:
         """True when nothing has changed for so long that rows teach nothing of the sensors any more."""
-        return self.steady_s >= SETTLED_S
+        return self.quiet_s >= SETTLED_S
 
 
-def watched(rest: Rest, reading: Reading, speed: float, dt_s: float) -> Rest:
+def detect(stationary: Stationary, reading: Reading, speed: float, dt_s: float) -> Stationary:
     """The watch after a sample. ``speed``: that the vehicle is known or feared to have, m/s."""
     share = min(1.0, dt_s / MEAN_S)
-    gyro = add(rest.gyro, scale(sub(reading.gyro, rest.gyro), share))
-    accel = add(rest.accel, scale(sub(reading.accel, rest.accel), share))
-    steady = (
+    gyro = add(stationary.mean_gyro, scale(sub(reading.gyro, stationary.mean_gyro), share))
+    accel = add(stationary.mean_accel, scale(sub(reading.accel, stationary.mean_accel), share))
+    quiet = (
         norm(sub(reading.gyro, gyro)) < QUIET_RATE
         and norm(sub(reading.accel, accel)) < QUIET_ACCEL
         and norm(gyro) < MAX_BIAS
         and not reading.saturated
     )
-    return Rest(
+    return Stationary(
         gyro,
         accel,
-        rest.steady_s + dt_s if steady else 0.0,
-        rest.quiet_s + dt_s if steady and speed < MAX_SPEED else 0.0,
-        rest.waited_s + dt_s,
+        stationary.quiet_s + dt_s if quiet else 0.0,
+        stationary.still_s + dt_s if quiet and speed < MAX_SPEED else 0.0,
+        stationary.since_update_s + dt_s,
     )
 
 
-def rested(motion: Motion, rest: Rest, aided: bool, teaches: bool, settings: FlightParameters) -> tuple[Motion, Rest]:
+def fuse_zero_motion(
+    nav: NavigationState, stationary: Stationary, aided: bool, estimates_sensors: bool, parameters: FlightParameters
+) -> tuple[NavigationState, Stationary]:
     """Motion and watch after what is due at rest. ``aided``: velocity fixes arrive.
 
     teaches: the rows may tell something of the sensors.
@@ -92,26 +95,28 @@ def rested(motion: Motion, rest: Rest, aided: bool, teaches: bool, settings: Fli
     Then rest is not used: a hovering copter is as quiet as a standing one, and turns slowly while its own filter's
     heading creeps. Only the bias that a gyro reading zero may hide is kept in mind.
     """
-    if not rest.resting or rest.waited_s < SPACING_S:
-        return motion, rest
-    floor = settings.rest_floor**2
-    if norm(rest.gyro) < READS_ZERO or not aided:
-        motion = with_variances(motion, floor, 0.0)
+    if not stationary.is_stationary or stationary.since_update_s < SPACING_S:
+        return nav, stationary
+    floor = parameters.rest_floor**2
+    if norm(stationary.mean_gyro) < READS_ZERO or not aided:
+        nav = with_variances(nav, floor, 0.0)
     if not aided:
-        motion = _still(motion, rest, teaches, settings)
-    return motion, Rest(rest.gyro, rest.accel, rest.steady_s, rest.quiet_s, 0.0)
+        nav = _zero_motion_update(nav, stationary, estimates_sensors, parameters)
+    return nav, Stationary(stationary.mean_gyro, stationary.mean_accel, stationary.quiet_s, stationary.still_s, 0.0)
 
 
-def _still(motion: Motion, rest: Rest, teaches: bool, settings: FlightParameters) -> Motion:
+def _zero_motion_update(
+    nav: NavigationState, stationary: Stationary, estimates_sensors: bool, parameters: FlightParameters
+) -> NavigationState:
     """The motion after the rows of rest: the mean gyro is its bias, the velocity is zero."""
-    floor = settings.rest_floor**2
+    floor = parameters.rest_floor**2
     for axis in range(3):
-        row = Row(rest.gyro[axis] - motion.gyro_bias[axis], b=unit_axis(axis))
-        seen = reach_of(motion, row)
-        if seen.variance > floor:
+        measurement = Measurement(stationary.mean_gyro[axis] - nav.gyro_bias[axis], b=unit_axis(axis))
+        cross_cov = cross_covariance_of(nav, measurement)
+        if cross_cov.state_variance > floor:
             # One row of a mean over ``MEAN_S``.
-            motion = taken(motion, row, seen, floor * MEAN_S / rest.waited_s, teaches)
+            nav = fuse(nav, measurement, cross_cov, floor * MEAN_S / stationary.since_update_s, estimates_sensors)
     for axis in range(3):
-        row = Row(-motion.velocity[axis], v=unit_axis(axis))
-        motion = taken(motion, row, reach_of(motion, row), VELOCITY_SIGMA**2, teaches)
-    return motion
+        measurement = Measurement(-nav.velocity[axis], v=unit_axis(axis))
+        nav = fuse(nav, measurement, cross_covariance_of(nav, measurement), VELOCITY_SIGMA**2, estimates_sensors)
+    return nav

@@ -9,9 +9,9 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import add, norm, q_exp, q_mul, q_unit, rotate, scale, sub, unit
-from attest_mav.filters.velocity_aided.aids.gnss_velocity import is_velocity, measured_at, usual_delay_s
+from attest_mav.filters.velocity_aided.aids.gnss_velocity import is_velocity, nominal_delay_s, time_of_validity
 from attest_mav.filters.velocity_aided.aids.zero_motion import MAX_SPEED
-from attest_mav.filters.velocity_aided.history import Track, begun, longer, since
+from attest_mav.filters.velocity_aided.history import DeltaVelocityHistory, appended, empty_history, look_back
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.prediction import Reading
 from attest_mav.types import Quat, Vec3, VelocitySample
@@ -24,13 +24,13 @@ MAX_FIXES: Final = 32
 
 
 @mypyc_attr(acyclic=True)
-class Fix:
+class AlignmentFix:
     """A velocity fix during alignment. gain: u at its instant, in the start's axes, m/s; v_ned: m/s."""
 
-    def __init__(self, source_ns: int, t_ns: int, gain: Vec3, v_ned: Vec3, vertical_known: bool) -> None:
+    def __init__(self, source_ns: int, t_ns: int, delta_velocity: Vec3, v_ned: Vec3, vertical_known: bool) -> None:
         self.source_ns: Final = source_ns
         self.t_ns: Final = t_ns
-        self.gain: Final = gain
+        self.delta_velocity: Final = delta_velocity
         self.v_ned: Final = v_ned
         self.vertical_known: Final = vertical_known
 
@@ -43,51 +43,51 @@ class Alignment:
     in the start's axes (m/s^2). track: of the gains u. fixes: old to new. mag: the last reading as received. field:
     sum of the unit fields in the start's axes, of ``fields`` readings. force_sum: integral of the force since the
     vehicle is still, m/s. still_s: for how long it is. waited_s: since the start. change: of the gyro between the last
-    two samples, rad/s. missed: variance of the turns that hid between samples, rad^2 (``strapdown`` has the reason).
+    two samples, rad/s. missed: variance of the turns that hid between samples, rad^2 (``prediction`` has the reason).
     saturated: it began with a reading that shows nothing.
     """
 
     def __init__(
         self,
-        turned: Quat,
+        q_start_body: Quat,
         gyro: Vec3,
-        force: Vec3,
-        track: Track,
-        fixes: tuple[Fix, ...],
-        mag: Vec3 | None,
-        field: Vec3,
-        fields: int,
-        force_sum: Vec3,
+        specific_force: Vec3,
+        history: DeltaVelocityHistory,
+        fixes: tuple[AlignmentFix, ...],
+        last_mag: Vec3 | None,
+        field_sum: Vec3,
+        field_count: int,
+        still_delta_velocity: Vec3,
         still_s: float,
-        waited_s: float,
-        change: Vec3,
-        missed: float,
-        saturated: bool,
+        elapsed_s: float,
+        gyro_change: Vec3,
+        unseen_rotation_variance: float,
+        began_saturated: bool,
     ) -> None:
-        self.turned: Final = turned
+        self.q_start_body: Final = q_start_body
         self.gyro: Final = gyro
-        self.force: Final = force
-        self.track: Final = track
+        self.specific_force: Final = specific_force
+        self.history: Final = history
         self.fixes: Final = fixes
-        self.mag: Final = mag
-        self.field: Final = field
-        self.fields: Final = fields
-        self.force_sum: Final = force_sum
+        self.last_mag: Final = last_mag
+        self.field_sum: Final = field_sum
+        self.field_count: Final = field_count
+        self.still_delta_velocity: Final = still_delta_velocity
         self.still_s: Final = still_s
-        self.waited_s: Final = waited_s
-        self.change: Final = change
-        self.missed: Final = missed
-        self.saturated: Final = saturated
+        self.elapsed_s: Final = elapsed_s
+        self.gyro_change: Final = gyro_change
+        self.unseen_rotation_variance: Final = unseen_rotation_variance
+        self.began_saturated: Final = began_saturated
 
 
-def started(reading: Reading, t_ns: int) -> Alignment:
+def new_alignment(reading: Reading, t_ns: int) -> Alignment:
     """The alignment that begins at this sample; its axes are the body's."""
     zero, upright = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
     return Alignment(
         upright,
         reading.gyro,
         reading.accel,
-        begun(t_ns),
+        empty_history(t_ns),
         (),
         None,
         zero,
@@ -101,8 +101,8 @@ def started(reading: Reading, t_ns: int) -> Alignment:
     )
 
 
-def continued(
-    so_far: Alignment,
+def accumulate(
+    alignment: Alignment,
     reading: Reading,
     mag: Vec3 | None,
     field: Vec3 | None,
@@ -111,60 +111,65 @@ def continued(
     bias: Vec3,
     dt_s: float,
     t_ns: int,
-    settings: FlightParameters,
+    parameters: FlightParameters,
 ) -> Alignment:
     """The alignment after one more sample.
 
     mag: as received, gauss; field: as used, None unless it is new. under_way: known without a fix, by an air speed:
     a wing in a climb is as quiet as one at rest. bias: of the gyro, as far as it is known, rad/s.
     """
-    rate = sub(scale(add(so_far.gyro, reading.gyro), 0.5), bias)
-    turned = q_unit(q_mul(so_far.turned, q_exp(scale(rate, 0.5 * dt_s))))
-    force = rotate(turned, reading.accel)
-    push = scale(add(so_far.force, force), 0.5 * dt_s)
-    track = longer(so_far.track, t_ns, push)
-    field_sum = so_far.field
+    rate = sub(scale(add(alignment.gyro, reading.gyro), 0.5), bias)
+    q_start_body = q_unit(q_mul(alignment.q_start_body, q_exp(scale(rate, 0.5 * dt_s))))
+    specific_force = rotate(q_start_body, reading.accel)
+    delta_velocity = scale(add(alignment.specific_force, specific_force), 0.5 * dt_s)
+    history = appended(alignment.history, t_ns, delta_velocity)
+    field_sum = alignment.field_sum
     if field is not None:
-        then = q_mul(turned, q_exp(scale(rate, -0.5 * settings.mag_delay_s)))
+        then = q_mul(q_start_body, q_exp(scale(rate, -0.5 * parameters.mag_delay_s)))
         field_sum = add(field_sum, rotate(then, unit(field)))
     moves = under_way if fix is None else norm(fix.v_ned) > MAX_SPEED
-    still = not moves and _is_quiet(reading, bias, settings)
-    change = sub(reading.gyro, so_far.gyro)
-    missed = (settings.gyro_aliasing * norm(sub(change, so_far.change)) * dt_s) ** 2
+    still = not moves and _is_quiet(reading, bias, parameters)
+    gyro_change = sub(reading.gyro, alignment.gyro)
+    unseen_rotation_variance = (parameters.gyro_aliasing * norm(sub(gyro_change, alignment.gyro_change)) * dt_s) ** 2
     return Alignment(
-        turned,
+        q_start_body,
         reading.gyro,
-        force,
-        track,
-        _with_fix(so_far.fixes, fix, track, settings),
-        so_far.mag if mag is None else mag,
+        specific_force,
+        history,
+        _with_fix(alignment.fixes, fix, history, parameters),
+        alignment.last_mag if mag is None else mag,
         field_sum,
-        so_far.fields + (0 if field is None else 1),
-        add(so_far.force_sum, push) if still else (0.0, 0.0, 0.0),
-        so_far.still_s + dt_s if still else 0.0,
-        so_far.waited_s + dt_s,
-        change,
-        so_far.missed + missed,
+        alignment.field_count + (0 if field is None else 1),
+        add(alignment.still_delta_velocity, delta_velocity) if still else (0.0, 0.0, 0.0),
+        alignment.still_s + dt_s if still else 0.0,
+        alignment.elapsed_s + dt_s,
+        gyro_change,
+        alignment.unseen_rotation_variance + unseen_rotation_variance,
         False,
     )
 
 
-def _is_quiet(reading: Reading, bias: Vec3, settings: FlightParameters) -> bool:
+def _is_quiet(reading: Reading, bias: Vec3, parameters: FlightParameters) -> bool:
     """True for a reading as at rest."""
-    return norm(sub(reading.gyro, bias)) < STILL_RATE and abs(norm(reading.accel) - settings.gravity) < STILL_ACCEL
+    return norm(sub(reading.gyro, bias)) < STILL_RATE and abs(norm(reading.accel) - parameters.gravity) < STILL_ACCEL
 
 
 def _with_fix(
-    fixes: tuple[Fix, ...], fix: VelocitySample | None, track: Track, settings: FlightParameters
-) -> tuple[Fix, ...]:
+    fixes: tuple[AlignmentFix, ...],
+    fix: VelocitySample | None,
+    history: DeltaVelocityHistory,
+    parameters: FlightParameters,
+) -> tuple[AlignmentFix, ...]:
     """The fixes with a new one, if it is new and from after the start."""
     if fix is None or not is_velocity(fix):
         return fixes
-    if fixes and fix.t_ns - fixes[-1].source_ns < int(1e9 * settings.fix_spacing_s) - 1_000_000:
+    if fixes and fix.t_ns - fixes[-1].source_ns < int(1e9 * parameters.fix_spacing_s) - 1_000_000:
         return fixes
-    t_ns = measured_at(fix, usual_delay_s(fix, settings), settings)
-    past = since(track, t_ns)
+    t_ns = time_of_validity(fix, nominal_delay_s(fix, parameters), parameters)
+    past = look_back(history, t_ns)
     if past is None:
         return fixes
-    new = Fix(fix.t_ns, t_ns, sub(track.head.gain, past.gain), fix.v_ned, fix.vertical_known)
+    new = AlignmentFix(
+        fix.t_ns, t_ns, sub(history.newest.delta_velocity, past.delta_velocity), fix.v_ned, fix.vertical_known
+    )
     return (*fixes[-MAX_FIXES:], new)

@@ -12,8 +12,8 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import add, cross, norm, q_mul, rotate, scale, sub, unit
-from attest_mav.filters.velocity_aided.alignment.collect import Alignment, Fix
-from attest_mav.filters.velocity_aided.alignment.wahba import LEAST_ANGLE, Fit, Pair, fitted, triad
+from attest_mav.filters.velocity_aided.alignment.collect import Alignment, AlignmentFix
+from attest_mav.filters.velocity_aided.alignment.wahba import LEAST_ANGLE, AttitudeFit, VectorPair, solve_wahba, triad
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.matrices import add_diagonal
 from attest_mav.types import Mat3, Quat, Vec3
@@ -30,129 +30,147 @@ STILL_S: Final = 0.4
 """Still for this long, the vehicle aligns at rest."""
 FIELD_PATIENCE_S: Final = 2.0
 """At rest it waits this long for a magnetometer."""
-REST_TILT: Final = 0.03
+STATIONARY_TILT: Final = 0.03
 """rad: of a vehicle at rest, with what the accelerometer's bias and a rocking hull do to it."""
-REST_HEADING: Final = 0.35
+STATIONARY_HEADING: Final = 0.35
 """rad: wide, so that the first magnetometer row sets it, together with the iron that it may be due to."""
-REST_SPEED: Final = 0.3
+STATIONARY_SPEED: Final = 0.3
 """m/s."""
-GUESSED_TILT: Final = 0.35
+ASSUMED_GRAVITY_TILT: Final = 0.35
 """rad: of an attitude that takes acceleration for gravity, in an unknown manoeuvre."""
-GUESSED_HEADING: Final = 0.7
-GUESSED_SPEED: Final = 10.0
+ASSUMED_GRAVITY_HEADING: Final = 0.7
+ASSUMED_GRAVITY_SPEED: Final = 10.0
 
 
-class Basis(IntEnum):
+class AlignmentMethod(IntEnum):
     """What a first attitude was made of."""
 
-    REST = 0
+    STATIONARY = 0
     """Gravity, of a vehicle at rest."""
     VELOCITY = 1
     """Velocity fixes."""
-    GUESS = 2
+    ASSUMED_GRAVITY = 2
     """Acceleration, taken for gravity."""
 
 
 @mypyc_attr(acyclic=True)
-class Begin:
+class InitialState:
     """Where the filter begins: attitude and velocity (NED, m/s) now, and how well they are known.
 
     attitude: covariance of the attitude's error, rad^2. velocity_sigma: m/s.
     """
 
-    def __init__(self, q_nb: Quat, attitude: Mat3, velocity: Vec3, velocity_sigma: float, basis: Basis) -> None:
+    def __init__(
+        self, q_nb: Quat, attitude: Mat3, velocity: Vec3, velocity_sigma: float, method: AlignmentMethod
+    ) -> None:
         self.q_nb: Final = q_nb
         self.attitude: Final = attitude
         self.velocity: Final = velocity
         self.velocity_sigma: Final = velocity_sigma
-        self.basis: Final = basis
+        self.method: Final = method
 
 
-def outcome(so_far: Alignment, declination: float, dip: float, settings: FlightParameters) -> Begin | None:
+def solve_alignment(
+    alignment: Alignment, declination: float, inclination: float, parameters: FlightParameters
+) -> InitialState | None:
     """Where to begin, None while that is not known well enough. declination, dip: rad, dip NaN when it is not known."""
-    if so_far.still_s >= STILL_S and (so_far.fields > 0 or so_far.waited_s > FIELD_PATIENCE_S):
-        return _by_gravity(so_far, so_far.force_sum, declination, Basis.REST)
-    pairs = _pairs(so_far, declination, dip, settings)
-    fit = _doubted(fitted(pairs), so_far.missed) if pairs else None
-    if fit is not None and (_good(fit, settings) or so_far.waited_s > settings.align_patience_s):
-        return _by_velocity(so_far, fit, settings)
-    felt = norm(so_far.track.head.gain) > LEAST_FORCE * so_far.waited_s
-    if felt and so_far.waited_s > settings.align_patience_s:
-        return _by_gravity(so_far, so_far.track.head.gain, declination, Basis.GUESS)
+    if alignment.still_s >= STILL_S and (alignment.field_count > 0 or alignment.elapsed_s > FIELD_PATIENCE_S):
+        return _by_gravity(alignment, alignment.still_delta_velocity, declination, AlignmentMethod.STATIONARY)
+    pairs = _vector_pairs(alignment, declination, inclination, parameters)
+    fit = _with_unseen_rotation(solve_wahba(pairs), alignment.unseen_rotation_variance) if pairs else None
+    if fit is not None and (_is_good_enough(fit, parameters) or alignment.elapsed_s > parameters.align_patience_s):
+        return _by_velocity(alignment, fit, parameters)
+    force_felt = norm(alignment.history.newest.delta_velocity) > LEAST_FORCE * alignment.elapsed_s
+    if force_felt and alignment.elapsed_s > parameters.align_patience_s:
+        return _by_gravity(
+            alignment, alignment.history.newest.delta_velocity, declination, AlignmentMethod.ASSUMED_GRAVITY
+        )
     return None
 
 
-def _by_gravity(so_far: Alignment, gain: Vec3, declination: float, basis: Basis) -> Begin:
+def _by_gravity(
+    alignment: Alignment, delta_velocity: Vec3, declination: float, method: AlignmentMethod
+) -> InitialState:
     """Begin as if ``gain`` pointed up, at rest or as a guess."""
-    rests = basis == Basis.REST
-    tilt, heading = (REST_TILT, REST_HEADING) if rests else (GUESSED_TILT, GUESSED_HEADING)
-    down = scale(gain, -1.0 / norm(gain))
-    east = cross(down, so_far.field)
-    known = so_far.fields > 0 and norm(east) > LEAST_ANGLE * so_far.fields
-    first = Pair(down, (0.0, 0.0, 1.0), 1.0)
+    stationary = method == AlignmentMethod.STATIONARY
+    tilt, heading = (
+        (STATIONARY_TILT, STATIONARY_HEADING) if stationary else (ASSUMED_GRAVITY_TILT, ASSUMED_GRAVITY_HEADING)
+    )
+    down = scale(delta_velocity, -1.0 / norm(delta_velocity))
+    east = cross(down, alignment.field_sum)
+    known = alignment.field_count > 0 and norm(east) > LEAST_ANGLE * alignment.field_count
+    first = VectorPair(down, (0.0, 0.0, 1.0), 1.0)
     if known:
-        q_nb = triad(first, Pair(unit(east), (-sin(declination), cos(declination), 0.0), 1.0))
+        q_nb = triad(first, VectorPair(unit(east), (-sin(declination), cos(declination), 0.0), 1.0))
     else:
         # Any level direction will do for north: the nose, or the right wing when the nose is up or down.
         nose: Vec3 = (1.0, 0.0, 0.0) if abs(down[0]) < 0.9 else (0.0, 1.0, 0.0)
-        q_nb = triad(first, Pair(nose, (1.0, 0.0, 0.0), 1.0))
+        q_nb = triad(first, VectorPair(nose, (1.0, 0.0, 0.0), 1.0))
     variance = (heading if known else pi) ** 2
     attitude = ((tilt * tilt, 0.0, 0.0), (0.0, tilt * tilt, 0.0), (0.0, 0.0, variance))
-    velocity = so_far.fixes[-1].v_ned if so_far.fixes else (0.0, 0.0, 0.0)
-    sigma = REST_SPEED if rests else GUESSED_SPEED
-    return Begin(q_mul(q_nb, so_far.turned), attitude, velocity, sigma, basis)
+    velocity = alignment.fixes[-1].v_ned if alignment.fixes else (0.0, 0.0, 0.0)
+    sigma = STATIONARY_SPEED if stationary else ASSUMED_GRAVITY_SPEED
+    return InitialState(q_mul(q_nb, alignment.q_start_body), attitude, velocity, sigma, method)
 
 
-def _by_velocity(so_far: Alignment, fit: Fit, settings: FlightParameters) -> Begin:
+def _by_velocity(alignment: Alignment, fit: AttitudeFit, parameters: FlightParameters) -> InitialState:
     """Begin with the fitted attitude and the last fix, carried on to now."""
-    last = so_far.fixes[-1]
-    head = so_far.track.head
-    x, y, z = add(last.v_ned, rotate(fit.q_nb, sub(head.gain, last.gain)))
-    velocity = (x, y, z + settings.gravity * (head.t_ns - last.t_ns) * 1e-9)
-    return Begin(q_mul(fit.q_nb, so_far.turned), fit.covariance, velocity, settings.velocity_sigma, Basis.VELOCITY)
+    last = alignment.fixes[-1]
+    newest = alignment.history.newest
+    x, y, z = add(last.v_ned, rotate(fit.q_nb, sub(newest.delta_velocity, last.delta_velocity)))
+    velocity = (x, y, z + parameters.gravity * (newest.t_ns - last.t_ns) * 1e-9)
+    return InitialState(
+        q_mul(fit.q_nb, alignment.q_start_body),
+        fit.covariance,
+        velocity,
+        parameters.velocity_sigma,
+        AlignmentMethod.VELOCITY,
+    )
 
 
-def _doubted(fit: Fit | None, missed: float) -> Fit | None:
+def _with_unseen_rotation(fit: AttitudeFit | None, unseen_rotation_variance: float) -> AttitudeFit | None:
     """The fit, its covariance with what the gyro may have missed since the start."""
-    return None if fit is None else Fit(fit.q_nb, add_diagonal(fit.covariance, missed))
+    return None if fit is None else AttitudeFit(fit.q_nb, add_diagonal(fit.covariance, unseen_rotation_variance))
 
 
-def _good(fit: Fit, settings: FlightParameters) -> bool:
+def _is_good_enough(fit: AttitudeFit, parameters: FlightParameters) -> bool:
     """True when the attitude is known well enough to begin."""
     p = fit.covariance
-    return p[0][0] + p[1][1] < settings.align_tilt**2 and p[2][2] < settings.align_heading**2
+    return p[0][0] + p[1][1] < parameters.align_tilt**2 and p[2][2] < parameters.align_heading**2
 
 
-def _pairs(so_far: Alignment, declination: float, dip: float, settings: FlightParameters) -> list[Pair]:
+def _vector_pairs(
+    alignment: Alignment, declination: float, inclination: float, parameters: FlightParameters
+) -> list[VectorPair]:
     """The directions collected: of the velocity gained between fixes, and of the field. None before two fixes.
 
     The gain between the first fix and the last is the most certain; the links of a chain between them differ in
     direction when the vehicle turns, and so show what the first and the field leave open where they are parallel.
     """
-    fixes = so_far.fixes
+    fixes = alignment.fixes
     base_ns = int(1e9 * MIN_BASE_S)
     if len(fixes) < 2 or fixes[-1].t_ns - fixes[0].t_ns < base_ns:
         return []
-    pairs = _gained(fixes[0], fixes[-1], settings)
+    pairs = _delta_velocity_pairs(fixes[0], fixes[-1], parameters)
     link = fixes[0]
     for fix in fixes[1:]:
         if fix.t_ns - link.t_ns >= base_ns:
-            pairs += _gained(link, fix, settings)
+            pairs += _delta_velocity_pairs(link, fix, parameters)
             link = fix
-    if so_far.fields > 0 and isfinite(dip) and norm(so_far.field) > 0.0:
-        world = (cos(dip) * cos(declination), cos(dip) * sin(declination), sin(dip))
-        pairs.append(Pair(unit(so_far.field), world, FIELD_SIGMA**2))
+    if alignment.field_count > 0 and isfinite(inclination) and norm(alignment.field_sum) > 0.0:
+        world = (cos(inclination) * cos(declination), cos(inclination) * sin(declination), sin(inclination))
+        pairs.append(VectorPair(unit(alignment.field_sum), world, FIELD_SIGMA**2))
     return pairs
 
 
-def _gained(first: Fix, last: Fix, settings: FlightParameters) -> list[Pair]:
+def _delta_velocity_pairs(first: AlignmentFix, last: AlignmentFix, parameters: FlightParameters) -> list[VectorPair]:
     """The velocity gained between two fixes, less gravity's share; none in free fall. An unknown vertical is up."""
-    u = sub(last.gain, first.gain)
+    u = sub(last.delta_velocity, first.delta_velocity)
     x, y, z = sub(last.v_ned, first.v_ned)
-    z -= settings.gravity * (last.t_ns - first.t_ns) * 1e-9
+    z -= parameters.gravity * (last.t_ns - first.t_ns) * 1e-9
     length = norm(u)
     if not (first.vertical_known and last.vertical_known):
         z = -sqrt(max(0.0, length * length - x * x - y * y))
     if min(length, norm((x, y, z))) < LEAST_FORCE * (last.t_ns - first.t_ns) * 1e-9:
         return []
-    return [Pair(unit(u), unit((x, y, z)), 2.0 * (GAIN_SIGMA / length) ** 2)]
+    return [VectorPair(unit(u), unit((x, y, z)), 2.0 * (GAIN_SIGMA / length) ** 2)]

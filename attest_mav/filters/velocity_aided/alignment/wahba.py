@@ -29,7 +29,7 @@ LEAST_ANGLE: Final = 0.08
 
 
 @mypyc_attr(acyclic=True)
-class Pair:
+class VectorPair:
     """The same direction seen from the body and in NED, both of unit length, with its variance per axis, rad^2."""
 
     def __init__(self, body: Vec3, world: Vec3, variance: float) -> None:
@@ -39,7 +39,7 @@ class Pair:
 
 
 @mypyc_attr(acyclic=True)
-class Fit:
+class AttitudeFit:
     """An attitude, body to NED, and the covariance of its error as a rotation in NED, rad^2."""
 
     def __init__(self, q_nb: Quat, covariance: Mat3) -> None:
@@ -47,10 +47,10 @@ class Fit:
         self.covariance: Final = covariance
 
 
-def fitted(pairs: list[Pair]) -> Fit | None:
+def solve_wahba(pairs: list[VectorPair]) -> AttitudeFit | None:
     """The best attitude, None while all pairs lie too near to the first."""
     first = pairs[0]
-    second: Pair | None = None
+    second: VectorPair | None = None
     widest = LEAST_ANGLE
     for pair in pairs[1:]:
         angle = min(norm(cross(first.body, pair.body)), norm(cross(first.world, pair.world)))
@@ -65,10 +65,10 @@ def fitted(pairs: list[Pair]) -> Fit | None:
         information, torque = _normal_equations(q_nb, pairs)
         covariance = inverse(information)
         q_nb = q_unit(q_mul(q_exp(scale(mat_vec(covariance, torque), 0.5)), q_nb))
-    return Fit(q_nb, covariance)
+    return AttitudeFit(q_nb, covariance)
 
 
-def triad(first: Pair, second: Pair) -> Quat:
+def triad(first: VectorPair, second: VectorPair) -> Quat:
     """The attitude that fits the first pair exactly and the second as well as that allows."""
     return q_mul(_frame(first.world, second.world), q_conj(_frame(first.body, second.body)))
 
@@ -80,7 +80,7 @@ def _frame(x: Vec3, towards: Vec3) -> Quat:
     return q_from_matrix(((x[0], y[0], z[0]), (x[1], y[1], z[1]), (x[2], y[2], z[2])))
 
 
-def _normal_equations(q_nb: Quat, pairs: list[Pair]) -> tuple[Mat3, Vec3]:
+def _normal_equations(q_nb: Quat, pairs: list[VectorPair]) -> tuple[Mat3, Vec3]:
     """Information matrix and gradient for a small turn theta: with c = C b, w - c = theta x c."""
     information = diagonal(0.0)
     torque: Vec3 = (0.0, 0.0, 0.0)
