@@ -23,7 +23,7 @@ def test_a_request_survives_pickling_with_the_parameters_of_its_filters():
     filters = (
         *map(default_filter, filter_names()),
         GradientDescent(beta=0.5),
-        VelocityAided(FlightParameters(gyro_noise=1e-3), low_pass_open=False),
+        VelocityAided(FlightParameters(gyro_noise=1e-3), low_pass_from_vehicle=False),
     )
     request = Request(filters, "RAW_IMU", "ATTITUDE", -4.5, Window(1.0, 20.0, 3.0))
     assert pickle.loads(pickle.dumps(request)) == request  # noqa: S301
