@@ -12,8 +12,9 @@ from typing import Final
 from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.pipeline import Pipeline
 from attest_mav.estimation.vehicle import Vehicle
-from attest_mav.mavlink.component.companion import ACTIVE, BOOT, CALIBRATING, CRITICAL, Companion
+from attest_mav.mavlink.component.companion import Companion
 from attest_mav.mavlink.component.notes import Note
+from attest_mav.mavlink.constants import MAV_STATE_ACTIVE, MAV_STATE_BOOT, MAV_STATE_CALIBRATING, MAV_STATE_CRITICAL
 from attest_mav.mavlink.decode.autopilot_parameters import facts_of_firmware
 from attest_mav.mavlink.decode.decoder import Decoder, of_message
 from attest_mav.mavlink.dialect import Dialect
@@ -217,9 +218,10 @@ class Service:
         estimate = self.estimate
         if estimate is not None and self.fresh(now_ns):
             if self._standing is not None and self._standing.verdict.agreement == Agreement.DISAGREE:
-                return CRITICAL
-            return CALIBRATING if estimate.tilt_sigma > self._settings.pipeline.verdict.max_sigma else ACTIVE
-        return CALIBRATING if now_ns - self._sample_ns < self._stale_ns else BOOT
+                return MAV_STATE_CRITICAL
+            unsure = estimate.tilt_sigma > self._settings.pipeline.verdict.max_sigma
+            return MAV_STATE_CALIBRATING if unsure else MAV_STATE_ACTIVE
+        return MAV_STATE_CALIBRATING if now_ns - self._sample_ns < self._stale_ns else MAV_STATE_BOOT
 
     def _report_refusals(self) -> None:
         """Note once why the inertial message gives no samples, or none with a magnetometer."""

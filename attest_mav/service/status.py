@@ -5,11 +5,16 @@ from typing import Final
 
 from attest_mav.algebra import q_to_euler
 from attest_mav.estimation.events import Agreement, Verdict
-from attest_mav.mavlink.component.companion import ACTIVE, BOOT, CALIBRATING, CRITICAL
+from attest_mav.mavlink.constants import MAV_STATE_ACTIVE, MAV_STATE_BOOT, MAV_STATE_CALIBRATING, MAV_STATE_CRITICAL
 from attest_mav.service.snapshot import LaneSnapshot, Rates, Snapshot, rates_between
 from attest_mav.types import Estimate, North
 
-STATE_NAMES: Final = {BOOT: "waiting", CALIBRATING: "aligning", ACTIVE: "active", CRITICAL: "CRITICAL"}
+STATE_NAMES: Final = {
+    MAV_STATE_BOOT: "waiting",
+    MAV_STATE_CALIBRATING: "aligning",
+    MAV_STATE_ACTIVE: "active",
+    MAV_STATE_CRITICAL: "CRITICAL",
+}
 NORTH_NAMES: Final = {North.RELATIVE: "from the start", North.MAGNETIC: "magnetic", North.TRUE: "true"}
 
 _VERDICTS: Final = {
@@ -69,7 +74,7 @@ def _obstacles(now: Snapshot) -> list[str]:
         return []
     if now.inertial_refusal:
         return [f"nothing is sent: {now.inertial_refusal}"]
-    if now.state == CALIBRATING:
+    if now.state == MAV_STATE_CALIBRATING:
         return ["nothing is sent: aligning"]
     return ["nothing is sent: samples stopped" if now.lanes else "nothing is sent: no sample has come"]
 

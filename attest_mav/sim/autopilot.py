@@ -16,20 +16,18 @@ from typing import Final
 
 from attest_mav.errors import UsageError
 from attest_mav.mavlink.component.encoder import Encoder
+from attest_mav.mavlink.constants import INERTIAL_MESSAGES, MAV_COMP_ID_AUTOPILOT1
 from attest_mav.mavlink.dialect import Dialect, load_dialect
 from attest_mav.mavlink.wire.framer import Frame, Framer
 from attest_mav.sim.commands import UNDERSTOOD, Commands
 from attest_mav.sim.messages import Messages, within
 from attest_mav.sim.motion import Motion
-from attest_mav.sim.personality import IMU_MESSAGES, personality_of
+from attest_mav.sim.personality import personality_of
 from attest_mav.sim.report import AttitudeReport
 from attest_mav.sim.scenarios import make_trajectory
 from attest_mav.sim.sensors import SensorSuite
 from attest_mav.sim.settings import SimSettings
 from attest_mav.sim.streams import Streams
-
-COMPONENT: Final = 1
-"""MAV_COMP_ID_AUTOPILOT1."""
 
 SENSOR_RATE_HZ: Final = 400
 """Sensors take at least so many samples a second, however slow the loop is."""
@@ -67,10 +65,10 @@ class FakeAutopilot:
         )
         report = AttitudeReport(self.trajectory, settings.attitude_error, settings.faults, seed)
         self.messages = Messages(settings, firmware, dialect, self.trajectory, self.sensors, report)
-        self.commands = Commands(settings.system, COMPONENT, firmware, dialect)
+        self.commands = Commands(settings.system, MAV_COMP_ID_AUTOPILOT1, firmware, dialect)
         self.framer = Framer(dialect, frozenset(dialect.id_of(name) for name in UNDERSTOOD))
         self.dialect = dialect
-        self.encoder = Encoder(dialect, settings.system, COMPONENT)
+        self.encoder = Encoder(dialect, settings.system, MAV_COMP_ID_AUTOPILOT1)
         self.inbox: list[Frame] = []
         self.tick = 0
         self.boot_ns = 0
@@ -125,7 +123,7 @@ class FakeAutopilot:
 
     def __str__(self) -> str:
         """What it is and what it does, for people."""
-        imu = next(name for name in self.streams.names if name in IMU_MESSAGES)
+        imu = next(name for name in self.streams.names if name in INERTIAL_MESSAGES)
         rate_hz = 1e9 / self.streams.intervals[imu]
         return f"{self.personality.name} vehicle, scenario {self.settings.scenario}, {imu} at {rate_hz:.4g} Hz"
 
@@ -160,7 +158,7 @@ class FakeAutopilot:
         return arrived
 
     def _send(self, name: str, payload: bytes | None, out: list[bytes]) -> None:
-        if name in IMU_MESSAGES and within(self.settings.faults.imu_silent, self.messages.t_s):
+        if name in INERTIAL_MESSAGES and within(self.settings.faults.imu_silent, self.messages.t_s):
             return
         filled = self.messages.payload(name) if payload is None else payload
         out.append(self.encoder.frame(self.dialect.layout(name), filled))
@@ -169,4 +167,4 @@ class FakeAutopilot:
         self.boot_ns = t_ns
         self.silent_until_ns = t_ns + round(REBOOT_S * 1e9)
         self.streams = self._booted_streams()
-        self.encoder = Encoder(self.dialect, self.settings.system, COMPONENT)
+        self.encoder = Encoder(self.dialect, self.settings.system, MAV_COMP_ID_AUTOPILOT1)

@@ -9,9 +9,17 @@ firmwares do. What is addressed to somebody else, or claims to come from the aut
 from math import isfinite
 from typing import Final
 
+from attest_mav.mavlink.constants import (
+    MAV_CMD_REQUEST_MESSAGE,
+    MAV_CMD_SET_MESSAGE_INTERVAL,
+    MAV_RESULT_ACCEPTED,
+    MAV_RESULT_DENIED,
+    MAV_RESULT_FAILED,
+    MAV_RESULT_UNSUPPORTED,
+)
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.framer import Frame
-from attest_mav.sim.personality import RESULT_ACCEPTED, RESULT_DENIED, RESULT_FAILED, RESULT_UNSUPPORTED, Personality
+from attest_mav.sim.personality import Personality
 from attest_mav.sim.streams import Streams
 
 COMMAND_LONG: Final = "COMMAND_LONG"
@@ -19,9 +27,6 @@ REQUEST_DATA_STREAM: Final = "REQUEST_DATA_STREAM"
 TIMESYNC: Final = "TIMESYNC"
 PARAM_REQUEST_READ: Final = "PARAM_REQUEST_READ"
 UNDERSTOOD: Final = (COMMAND_LONG, REQUEST_DATA_STREAM, TIMESYNC, PARAM_REQUEST_READ)
-
-SET_MESSAGE_INTERVAL: Final = 511
-REQUEST_MESSAGE: Final = 512
 
 Reply = tuple[str, bytes | None]
 """A message's name and payload; None where the payload is the vehicle's to fill."""
@@ -92,14 +97,14 @@ class Commands:
             return []
         name = self.dialect.name_of(int(param1)) if isfinite(param1) and param1 >= 0.0 else ""
         reply: list[Reply] = []
-        if command == SET_MESSAGE_INTERVAL:
+        if command == MAV_CMD_SET_MESSAGE_INTERVAL:
             result = self._set_interval(name, param2, streams, now_ns)
-        elif command == REQUEST_MESSAGE:
+        elif command == MAV_CMD_REQUEST_MESSAGE:
             known = streams.has(name)
-            result = RESULT_ACCEPTED if known else self.personality.unknown_message
+            result = MAV_RESULT_ACCEPTED if known else self.personality.unknown_message
             reply = [(name, None)] if known else []
         else:
-            result = RESULT_UNSUPPORTED
+            result = MAV_RESULT_UNSUPPORTED
         ack = self.ack.pack(command, result, int(frame.system), int(frame.component))
         return [("COMMAND_ACK", ack), *reply]
 
@@ -107,5 +112,5 @@ class Commands:
         if not streams.has(name):
             return self.personality.unknown_stream
         if not isfinite(interval_us):
-            return RESULT_DENIED
-        return RESULT_ACCEPTED if streams.set_interval_us(name, int(interval_us), now_ns) else RESULT_FAILED
+            return MAV_RESULT_DENIED
+        return MAV_RESULT_ACCEPTED if streams.set_interval_us(name, int(interval_us), now_ns) else MAV_RESULT_FAILED

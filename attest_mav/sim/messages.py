@@ -7,6 +7,7 @@ from math import atan2, degrees, hypot, isnan
 from typing import Final
 
 from attest_mav.algebra import q_to_euler, sub
+from attest_mav.mavlink import constants as mavlink
 from attest_mav.mavlink.dialect import Dialect, Picked
 from attest_mav.sim.earth import Earth
 from attest_mav.sim.motion import Motion
@@ -43,18 +44,6 @@ FIELDS: Final = {
     "SYSTEM_TIME": ("time_unix_usec", "time_boot_ms"),
 }
 """The fields that are filled, in wire order; all others are zero."""
-
-UNKNOWN_U16: Final = 65535
-
-ARMED: Final = 0x80
-CUSTOM_MODE: Final = 0x01
-STANDBY, ACTIVE = 3, 4
-FIXED_WING, QUADROTOR = 1, 2
-
-FIX_NONE, FIX_3D = 1, 3
-
-ACCEL_AND_GYRO, MAG = 0x03F, 0x1C0
-"""HIGHRES_IMU's fields_updated."""
 
 
 def int16(value: float) -> int:
@@ -123,9 +112,10 @@ class Messages:
     def heartbeat(self) -> tuple[int, ...]:
         """Armed from shortly before a vehicle moves."""
         armed = self.trajectory.flies and self.t_s >= STILL_S - 1.0
-        mode = CUSTOM_MODE | (ARMED if armed else 0)
-        kind = FIXED_WING if self.trajectory.is_plane else QUADROTOR
-        return (0, kind, self.personality.autopilot, mode, ACTIVE if armed else STANDBY, 3)
+        mode = mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | (mavlink.MAV_MODE_FLAG_SAFETY_ARMED if armed else 0)
+        kind = mavlink.MAV_TYPE_FIXED_WING if self.trajectory.is_plane else mavlink.MAV_TYPE_QUADROTOR
+        state = mavlink.MAV_STATE_ACTIVE if armed else mavlink.MAV_STATE_STANDBY
+        return (0, kind, self.personality.autopilot, mode, state, mavlink.MAVLINK_VERSION)
 
     # --- inertial ----------------------------------------------------------------------------------------------
 
@@ -152,11 +142,13 @@ class Messages:
         """PX4's: its bias estimates, here perfect ones, are subtracted."""
         imu, mag = self.sensors.imus[0], self.sensors.mags[0]
         accel, gyro = sub(imu.accel.reading, imu.accel.bias), sub(imu.gyro.reading, imu.gyro.bias)
-        fresh = MAG if mag.count != self.mag_count_sent else 0
+        updated = mavlink.HIGHRES_IMU_UPDATED_ACCEL | mavlink.HIGHRES_IMU_UPDATED_GYRO
+        if mag.count != self.mag_count_sent:
+            updated |= mavlink.HIGHRES_IMU_UPDATED_MAG
         self.mag_count_sent = mag.count
         if within(self.settings.faults.imu_not_finite, self.t_s):
             accel = gyro = (float("nan"),) * 3
-        return (self.boot_us, *accel, *gyro, *mag.held, ACCEL_AND_GYRO | fresh)
+        return (self.boot_us, *accel, *gyro, *mag.held, updated)
 
     def _milli(self, unit: int, mag: Vec3) -> tuple[int, ...]:
         """mG, mrad/s and mgauss."""
@@ -208,14 +200,25 @@ class Messages:
         """The latest fix and its time; the horizontal velocity as speed and course."""
         gps = self.sensors.gps
         if not gps.fix_ns:
-            return (0, 0, 0, 0, UNKNOWN_U16, UNKNOWN_U16, UNKNOWN_U16, UNKNOWN_U16, FIX_NONE, 0)
+            return (
+                0,
+                0,
+                0,
+                0,
+                mavlink.UINT16_MAX,
+                mavlink.UINT16_MAX,
+                mavlink.UINT16_MAX,
+                mavlink.UINT16_MAX,
+                mavlink.GPS_FIX_TYPE_NO_FIX,
+                0,
+            )
         lat, lon, alt = self.earth.geodetic(gps.position)
         speed = hypot(gps.velocity[0], gps.velocity[1])
         course = degrees(atan2(gps.velocity[1], gps.velocity[0])) % 360.0
         fix_us = max(gps.fix_ns // 1000 - (self.t_ns // 1000 - self.boot_us), 0)
         return (
             *(fix_us, round(lat * 1e7), round(lon * 1e7), round(alt * 1e3)),
-            *(80, 120, int(speed * 100.0), int(course * 100.0), FIX_3D, 14),
+            *(80, 120, int(speed * 100.0), int(course * 100.0), mavlink.GPS_FIX_TYPE_3D_FIX, 14),
         )
 
     def global_position_int(self) -> tuple[int, ...]:

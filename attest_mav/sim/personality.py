@@ -10,27 +10,22 @@ from dataclasses import dataclass
 from typing import Final
 
 from attest_mav.errors import UsageError
+from attest_mav.mavlink.constants import (
+    MAV_AUTOPILOT_ARDUPILOTMEGA,
+    MAV_AUTOPILOT_PX4,
+    MAV_DATA_STREAM_EXTENDED_STATUS,
+    MAV_DATA_STREAM_EXTRA1,
+    MAV_DATA_STREAM_EXTRA2,
+    MAV_DATA_STREAM_EXTRA3,
+    MAV_DATA_STREAM_POSITION,
+    MAV_DATA_STREAM_RAW_SENSORS,
+    MAV_PARAM_TYPE_INT16,
+    MAV_PARAM_TYPE_REAL32,
+    MAV_RESULT_DENIED,
+    MAV_RESULT_FAILED,
+    NO_DATA_STREAM,
+)
 from attest_mav.sim.sensors import GPS_DELAY_S
-
-# Values of MAVLink's enums; a test compares them with pymavlink's.
-RESULT_ACCEPTED: Final = 0
-RESULT_DENIED: Final = 2
-RESULT_UNSUPPORTED: Final = 3
-RESULT_FAILED: Final = 4
-
-PARAM_INT16: Final = 4
-PARAM_REAL32: Final = 9
-
-GROUP_RAW_SENSORS: Final = 1
-GROUP_EXTENDED_STATUS: Final = 2
-GROUP_POSITION: Final = 6
-GROUP_EXTRA1: Final = 10
-GROUP_EXTRA2: Final = 11
-GROUP_EXTRA3: Final = 12
-NO_GROUP: Final = -1
-"""In none of REQUEST_DATA_STREAM's groups."""
-
-IMU_MESSAGES: Final = frozenset({"RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "SCALED_IMU3", "HIGHRES_IMU"})
 
 
 @dataclass(frozen=True)
@@ -42,7 +37,7 @@ class Stream:
 
     message: str
     rate_hz: float
-    group: int = NO_GROUP
+    group: int = NO_DATA_STREAM
     fast: bool = False
 
 
@@ -85,7 +80,7 @@ ARDUPILOT_LOWPASS_HZ: Final = 20.0
 
 ARDUPILOT: Final = Personality(
     name="ardupilot",
-    autopilot=3,
+    autopilot=MAV_AUTOPILOT_ARDUPILOTMEGA,
     copter_loop_hz=400,
     plane_loop_hz=50,
     lowpass_hz=ARDUPILOT_LOWPASS_HZ,
@@ -93,31 +88,31 @@ ARDUPILOT: Final = Personality(
     mag_per_mean=10,
     whole_milliseconds=True,
     takes_groups=True,
-    unknown_stream=RESULT_DENIED,
-    unknown_message=RESULT_FAILED,
+    unknown_stream=MAV_RESULT_DENIED,
+    unknown_message=MAV_RESULT_FAILED,
     streams=(
         Stream("HEARTBEAT", 1.0),
-        Stream("ATTITUDE", 4.0, GROUP_EXTRA1, fast=True),
+        Stream("ATTITUDE", 4.0, MAV_DATA_STREAM_EXTRA1, fast=True),
         Stream("ATTITUDE_QUATERNION", 0.0),
-        Stream("GLOBAL_POSITION_INT", 4.0, GROUP_POSITION),
-        Stream("VFR_HUD", 4.0, GROUP_EXTRA2),
-        Stream("RAW_IMU", 4.0, GROUP_RAW_SENSORS, fast=True),
+        Stream("GLOBAL_POSITION_INT", 4.0, MAV_DATA_STREAM_POSITION),
+        Stream("VFR_HUD", 4.0, MAV_DATA_STREAM_EXTRA2),
+        Stream("RAW_IMU", 4.0, MAV_DATA_STREAM_RAW_SENSORS, fast=True),
         Stream("SCALED_IMU", 0.0),
-        Stream("SCALED_IMU2", 4.0, GROUP_RAW_SENSORS, fast=True),
-        Stream("SCALED_IMU3", 4.0, GROUP_RAW_SENSORS),
-        Stream("GPS_RAW_INT", 4.0, GROUP_EXTENDED_STATUS),
-        Stream("SIM_STATE", 4.0, GROUP_EXTRA1, fast=True),
-        Stream("SYSTEM_TIME", 4.0, GROUP_EXTRA3),
+        Stream("SCALED_IMU2", 4.0, MAV_DATA_STREAM_RAW_SENSORS, fast=True),
+        Stream("SCALED_IMU3", 4.0, MAV_DATA_STREAM_RAW_SENSORS),
+        Stream("GPS_RAW_INT", 4.0, MAV_DATA_STREAM_EXTENDED_STATUS),
+        Stream("SIM_STATE", 4.0, MAV_DATA_STREAM_EXTRA1, fast=True),
+        Stream("SYSTEM_TIME", 4.0, MAV_DATA_STREAM_EXTRA3),
     ),
     parameters=(
-        Parameter("INS_GYRO_FILTER", ARDUPILOT_LOWPASS_HZ, PARAM_INT16),
-        Parameter("GPS1_DELAY_MS", 1e3 * GPS_DELAY_S, PARAM_INT16),
+        Parameter("INS_GYRO_FILTER", ARDUPILOT_LOWPASS_HZ, MAV_PARAM_TYPE_INT16),
+        Parameter("GPS1_DELAY_MS", 1e3 * GPS_DELAY_S, MAV_PARAM_TYPE_INT16),
     ),
 )
 
 PX4: Final = Personality(
     name="px4",
-    autopilot=12,
+    autopilot=MAV_AUTOPILOT_PX4,
     copter_loop_hz=250,
     plane_loop_hz=250,
     lowpass_hz=None,
@@ -125,8 +120,8 @@ PX4: Final = Personality(
     mag_per_mean=1,
     whole_milliseconds=False,
     takes_groups=False,
-    unknown_stream=RESULT_FAILED,
-    unknown_message=RESULT_DENIED,
+    unknown_stream=MAV_RESULT_FAILED,
+    unknown_message=MAV_RESULT_DENIED,
     streams=(
         Stream("HEARTBEAT", 1.0),
         Stream("ATTITUDE", 50.0, fast=True),
@@ -139,7 +134,7 @@ PX4: Final = Personality(
         Stream("SIM_STATE", 50.0, fast=True),
         Stream("SYSTEM_TIME", 1.0),
     ),
-    parameters=(Parameter("EKF2_GPS_DELAY", 1e3 * GPS_DELAY_S, PARAM_REAL32),),
+    parameters=(Parameter("EKF2_GPS_DELAY", 1e3 * GPS_DELAY_S, MAV_PARAM_TYPE_REAL32),),
 )
 
 PERSONALITIES: Final = ("ardupilot", "px4")

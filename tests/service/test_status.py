@@ -4,7 +4,7 @@ from math import degrees, nan, radians
 
 import pytest
 
-from attest_mav.mavlink.component.companion import CALIBRATING
+from attest_mav.mavlink.constants import MAV_STATE_CALIBRATING
 from attest_mav.service.status import filter_text
 from attest_mav.sim.settings import SimSettings
 from attest_mav.types import Estimate, North
@@ -71,4 +71,4 @@ def test_a_guess_is_no_converged_filter(flight):
     f.deaf_to.clear()
     f.run_until(35.0)
     assert degrees(f.service.estimate.tilt_sigma) > 5.0
-    assert f.states()[-1] == CALIBRATING
+    assert f.states()[-1] == MAV_STATE_CALIBRATING

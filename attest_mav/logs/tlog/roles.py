@@ -4,10 +4,11 @@ from typing import Final
 
 from attest_mav.logs.source import MessageRoles
 from attest_mav.mavlink.component.imu_choice import preferred_messages
+from attest_mav.mavlink.constants import INERTIAL_MESSAGES
 from attest_mav.mavlink.decode.units import unit_row
 
 TLOG_ROLES: Final = MessageRoles(
-    inertial=("RAW_IMU", "SCALED_IMU", "HIGHRES_IMU", "SCALED_IMU2", "SCALED_IMU3"),
+    inertial=INERTIAL_MESSAGES,
     truth=("SIM_STATE", "SIMSTATE"),
     reference=("SIM_STATE", "SIMSTATE", "ATTITUDE_QUATERNION", "ATTITUDE"),
     named_reference=("SIM_STATE", "SIMSTATE", "ATTITUDE_QUATERNION", "ATTITUDE", "AHRS2"),

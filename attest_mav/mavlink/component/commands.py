@@ -3,15 +3,19 @@
 from math import isfinite
 from typing import Final
 
-from attest_mav.mavlink.component.encoder import SET_MESSAGE_INTERVAL
 from attest_mav.mavlink.component.ports import ATTITUDE_QUATERNION, ATTITUDE_QUATERNION_COV, Port, Schedule
-from attest_mav.mavlink.component.streams import ACCEPTED, DENIED, TEMPORARILY_REJECTED, UNSUPPORTED
+from attest_mav.mavlink.constants import (
+    MAV_CMD_REQUEST_MESSAGE,
+    MAV_CMD_SET_MESSAGE_INTERVAL,
+    MAV_RESULT_ACCEPTED,
+    MAV_RESULT_DENIED,
+    MAV_RESULT_TEMPORARILY_REJECTED,
+    MAV_RESULT_UNSUPPORTED,
+)
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.framer import Frame
 from attest_mav.types import Estimate
 
-REQUEST_MESSAGE: Final = 512
-"""MAV_CMD_REQUEST_MESSAGE."""
 HEARTBEAT: Final = 0
 
 
@@ -52,13 +56,13 @@ def answer(command: Command, port: Port, estimate: Estimate | None, state: int) 
     One that we do not know is refused only when it is meant for us alone: a command to all components is not for us
     to refuse, since whoever sent it would take our answer for the autopilot's.
     """
-    if command.number == REQUEST_MESSAGE:
+    if command.number == MAV_CMD_REQUEST_MESSAGE:
         result = _request_message(command.param1, port, estimate, state)
-    elif command.number == SET_MESSAGE_INTERVAL:
+    elif command.number == MAV_CMD_SET_MESSAGE_INTERVAL:
         result = _set_interval(command.param1, command.param2, port)
     else:
-        result = UNSUPPORTED
-    if result == UNSUPPORTED and command.target_component == 0:
+        result = MAV_RESULT_UNSUPPORTED
+    if result == MAV_RESULT_UNSUPPORTED and command.target_component == 0:
         return
     port.put(port.encoder.command_ack(command.number, result, command.system, command.component))
 
@@ -67,16 +71,16 @@ def _request_message(message: float, port: Port, estimate: Estimate | None, stat
     """Send one message now."""
     if message == HEARTBEAT:
         port.heartbeat(state)
-        return ACCEPTED
+        return MAV_RESULT_ACCEPTED
     if message not in {ATTITUDE_QUATERNION, ATTITUDE_QUATERNION_COV}:
-        return UNSUPPORTED
+        return MAV_RESULT_UNSUPPORTED
     if estimate is None:
-        return TEMPORARILY_REJECTED
+        return MAV_RESULT_TEMPORARILY_REJECTED
     if message == ATTITUDE_QUATERNION:
         port.put_attitude(estimate)
     else:
         port.put_covariance(estimate)
-    return ACCEPTED
+    return MAV_RESULT_ACCEPTED
 
 
 def _set_interval(message: float, interval_us: float, port: Port) -> int:
@@ -87,13 +91,13 @@ def _set_interval(message: float, interval_us: float, port: Port) -> int:
     elif message == ATTITUDE_QUATERNION_COV:
         schedule = port.covariance
     if schedule is None:
-        return UNSUPPORTED
+        return MAV_RESULT_UNSUPPORTED
     if not isfinite(interval_us) or abs(interval_us) > 1e9:
-        return DENIED
+        return MAV_RESULT_DENIED
     if interval_us < 0.0:
         schedule.period_ns = -1
     elif interval_us == 0.0:
         schedule.period_ns = schedule.default_ns
     else:
         schedule.period_ns = int(1000.0 * interval_us)
-    return ACCEPTED
+    return MAV_RESULT_ACCEPTED

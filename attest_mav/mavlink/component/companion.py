@@ -11,21 +11,19 @@ from typing import Final
 
 from attest_mav.mavlink.component.commands import CommandReader, answer
 from attest_mav.mavlink.component.discovery import LockOn, Vehicle
-from attest_mav.mavlink.component.encoder import SET_MESSAGE_INTERVAL
 from attest_mav.mavlink.component.notes import Notebook
-from attest_mav.mavlink.component.ports import TYPE_ONBOARD_CONTROLLER, Port, PortSettings
+from attest_mav.mavlink.component.ports import Port, PortSettings
 from attest_mav.mavlink.component.vehicle_data import DataSettings, VehicleData
-from attest_mav.mavlink.decode.units import INVALID
+from attest_mav.mavlink.constants import (
+    MAV_AUTOPILOT_INVALID,
+    MAV_CMD_SET_MESSAGE_INTERVAL,
+    MAV_STATE_BOOT,
+    MAV_STATE_POWEROFF,
+    MAV_TYPE_ONBOARD_CONTROLLER,
+)
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.framer import Frame
 from attest_mav.types import Estimate, ParameterSample
-
-BOOT: Final = 1
-CALIBRATING: Final = 2
-ACTIVE: Final = 4
-CRITICAL: Final = 5
-POWEROFF: Final = 7
-"""MAV_STATE as we use it: no samples; samples, but no attitude yet; attitude; the verdict is bad; stopping."""
 
 HEARTBEAT_NS: Final = 1_000_000_000
 UNKNOWN_SYSTEM: Final = 1
@@ -33,7 +31,7 @@ UNKNOWN_SYSTEM: Final = 1
 CLASH_PAUSE_NS: Final = 60_000_000_000
 """A clash of ids is reported again after this long."""
 
-NOBODY: Final = (0, 0, INVALID)
+NOBODY: Final = (0, 0, MAV_AUTOPILOT_INVALID)
 PROTOCOL: Final = ("HEARTBEAT", "COMMAND_LONG", "COMMAND_INT", "COMMAND_ACK", "REQUEST_DATA_STREAM")
 
 
@@ -61,7 +59,7 @@ class Companion:
         self.notebook: Final = Notebook()
         self.lock_on: Final = LockOn(settings.vehicle_system, self.notebook)
         self.data: Final = VehicleData(dialect, settings.data, self.notebook)
-        self.state = BOOT
+        self.state = MAV_STATE_BOOT
         """MAV_STATE of the heartbeat; set by who knows."""
         self.clashes = 0
         self.sender = NOBODY
@@ -170,7 +168,7 @@ class Companion:
             for message_id in self.data.keeper.asked:
                 port.put(port.encoder.set_message_interval(vehicle.system, vehicle.component, message_id, 0))
         for port in self.ports:
-            port.heartbeat(POWEROFF)
+            port.heartbeat(MAV_STATE_POWEROFF)
 
     def _hear_own_ids(self, frame: Frame, now_ns: int) -> None:
         """A frame with our own ids is an echo, or another component that has them too."""
@@ -196,7 +194,7 @@ class Companion:
             self._forget()
         elif found:
             self._found(vehicle, now_ns)
-        if vehicle_type == TYPE_ONBOARD_CONTROLLER and frame.system == self._system:
+        if vehicle_type == MAV_TYPE_ONBOARD_CONTROLLER and frame.system == self._system:
             self.ports[link].onboard_heard(frame.component, now_ns)
         return vehicle is not None and frame.system == vehicle.system and frame.component == vehicle.component
 
@@ -207,14 +205,14 @@ class Companion:
             system == self._system and (component == 0 or component == self._settings.component)  # noqa: PLR1714
         ):
             answer(command, self.ports[link], self._estimate, self.state)
-        elif command.number == SET_MESSAGE_INTERVAL:
+        elif command.number == MAV_CMD_SET_MESSAGE_INTERVAL:
             self.data.keeper.overheard(f"system {frame.system}", now_ns)
 
     def _hear_ack(self, frame: Frame, now_ns: int) -> None:
         """The vehicle's answer to our command; MAVLink 1 and some autopilots leave the targets zero."""
         command, result, system, component = self._ack.unpack(frame.payload)
         meant = (system == 0 or system == self._system) and (component == 0 or component == self._settings.component)  # noqa: PLR1714
-        if meant and command == SET_MESSAGE_INTERVAL:
+        if meant and command == MAV_CMD_SET_MESSAGE_INTERVAL:
             self.data.keeper.acknowledged(result, now_ns)
 
     def _forget(self) -> None:

@@ -11,15 +11,54 @@ vehicle still. While several vehicles are heard from the start, none is chosen.
 from typing import Final
 
 from attest_mav.mavlink.component.notes import Notebook
-from attest_mav.mavlink.decode.units import INVALID
+from attest_mav.mavlink.constants import (
+    MAV_AUTOPILOT_INVALID,
+    MAV_COMP_ID_AUTOPILOT1,
+    MAV_TYPE_ADSB,
+    MAV_TYPE_ANTENNA_TRACKER,
+    MAV_TYPE_BATTERY,
+    MAV_TYPE_CAMERA,
+    MAV_TYPE_CHARGING_STATION,
+    MAV_TYPE_FLARM,
+    MAV_TYPE_GCS,
+    MAV_TYPE_GIMBAL,
+    MAV_TYPE_GPS,
+    MAV_TYPE_GRIPPER,
+    MAV_TYPE_ILLUMINATOR,
+    MAV_TYPE_IMU,
+    MAV_TYPE_LOG,
+    MAV_TYPE_ODID,
+    MAV_TYPE_ONBOARD_CONTROLLER,
+    MAV_TYPE_OSD,
+    MAV_TYPE_PARACHUTE,
+    MAV_TYPE_SERVO,
+    MAV_TYPE_WINCH,
+)
 
-AUTOPILOT_COMPONENT: Final = 1
-"""MAV_COMP_ID_AUTOPILOT1."""
-TYPE_GCS: Final = 6
-"""MAV_TYPE_GCS."""
-NO_VEHICLES: Final = frozenset([5, 6, 18, 26, 27, 30, 31, 32, 33, 34, 36, 37, 38, 39, 40, 41, 42, 44, 48])
-"""MAV_TYPE of what is no vehicle: antenna tracker, ground station, onboard controller, gimbal, ADS-B, camera, charging
-station, FLARM, servo, remote id, battery, parachute, log, OSD, IMU, GPS, winch, illuminator, gripper."""
+NO_VEHICLES: Final = frozenset(
+    [
+        MAV_TYPE_ANTENNA_TRACKER,
+        MAV_TYPE_GCS,
+        MAV_TYPE_ONBOARD_CONTROLLER,
+        MAV_TYPE_GIMBAL,
+        MAV_TYPE_ADSB,
+        MAV_TYPE_CAMERA,
+        MAV_TYPE_CHARGING_STATION,
+        MAV_TYPE_FLARM,
+        MAV_TYPE_SERVO,
+        MAV_TYPE_ODID,
+        MAV_TYPE_BATTERY,
+        MAV_TYPE_PARACHUTE,
+        MAV_TYPE_LOG,
+        MAV_TYPE_OSD,
+        MAV_TYPE_IMU,
+        MAV_TYPE_GPS,
+        MAV_TYPE_WINCH,
+        MAV_TYPE_ILLUMINATOR,
+        MAV_TYPE_GRIPPER,
+    ]
+)
+"""Values of MAV_TYPE that are no vehicles."""
 
 AMBIGUITY_NS: Final = 3_000_000_000
 """A second vehicle that shows up this soon after the first makes the choice a matter of chance: none is chosen. Later,
@@ -114,9 +153,9 @@ class LockOn:
 
     def _may_fly(self, system: int, component: int, vehicle_type: int, autopilot: int) -> bool:
         """Whether this heartbeat can be a vehicle's. One that is named may call itself what it likes."""
-        if autopilot == INVALID or vehicle_type == TYPE_GCS:
+        if autopilot == MAV_AUTOPILOT_INVALID or vehicle_type == MAV_TYPE_GCS:
             return False
-        named = system == self._wanted_system and component == AUTOPILOT_COMPONENT
+        named = system == self._wanted_system and component == MAV_COMP_ID_AUTOPILOT1
         return named or vehicle_type not in NO_VEHICLES
 
     def _claim(self, system: int, component: int, now_ns: int) -> _Claim:
@@ -126,7 +165,7 @@ class LockOn:
             claim = _Claim(now_ns)
             self._claims[system] = claim
         claim.heard_ns = now_ns
-        if component == AUTOPILOT_COMPONENT:
+        if component == MAV_COMP_ID_AUTOPILOT1:
             claim.autopilot_ns = now_ns
         return claim
 
@@ -146,7 +185,7 @@ class LockOn:
         self._remind_ns = 0
         if heard.system not in rivals:
             return False
-        if heard.component != AUTOPILOT_COMPONENT and now_ns - max(claim.began_ns, claim.autopilot_ns) < GRACE_NS:
+        if heard.component != MAV_COMP_ID_AUTOPILOT1 and now_ns - max(claim.began_ns, claim.autopilot_ns) < GRACE_NS:
             return False
         self._found_ns = now_ns
         self._take(heard, "found", now_ns)
@@ -162,7 +201,7 @@ class LockOn:
                 self._heard_ns = now_ns
             if self.present:
                 return False
-        elif heard.component != AUTOPILOT_COMPONENT:
+        elif heard.component != MAV_COMP_ID_AUTOPILOT1:
             return False
         self._take(heard, "found again" if heard.component == known.component else "found", now_ns)
         return True

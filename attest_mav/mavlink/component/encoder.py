@@ -7,13 +7,11 @@ from collections.abc import Mapping
 from struct import Struct
 from typing import Any, Final
 
+from attest_mav.mavlink.constants import MAV_CMD_SET_MESSAGE_INTERVAL, MAVLINK_VERSION
 from attest_mav.mavlink.dialect import Dialect, Layout
 from attest_mav.mavlink.wire.checksum import with_checksum
 from attest_mav.mavlink.wire.frame import MAGIC_V2
 from attest_mav.types import Quat, Vec3
-
-SET_MESSAGE_INTERVAL: Final = 511
-"""MAV_CMD_SET_MESSAGE_INTERVAL."""
 
 STATUSTEXT_BYTES: Final = 50
 NAME_BYTES: Final = 10
@@ -59,7 +57,7 @@ class Encoder:
         self, vehicle_type: int, autopilot: int, base_mode: int, system_status: int, custom_mode: int = 0
     ) -> bytes:
         """HEARTBEAT: MAV_TYPE, MAV_AUTOPILOT, MAV_MODE_FLAG, MAV_STATE."""
-        payload = self._heartbeat.pack(custom_mode, vehicle_type, autopilot, base_mode, system_status, 3)
+        payload = self._heartbeat.pack(custom_mode, vehicle_type, autopilot, base_mode, system_status, MAVLINK_VERSION)
         return self.frame(self._heartbeat.layout, payload)
 
     def attitude_quaternion(self, time_boot_ms: int, q_nb: Quat, rates: Vec3) -> bytes:
@@ -79,7 +77,12 @@ class Encoder:
     ) -> bytes:
         """COMMAND_LONG with MAV_CMD_SET_MESSAGE_INTERVAL; interval_us 0 is the default rate, -1 stops."""
         payload = self._command.pack(
-            float(message_id), float(interval_us), SET_MESSAGE_INTERVAL, target_system, target_component, confirmation
+            float(message_id),
+            float(interval_us),
+            MAV_CMD_SET_MESSAGE_INTERVAL,
+            target_system,
+            target_component,
+            confirmation,
         )
         return self.frame(self._command.layout, payload)
 

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from attest_mav.mavlink.decode.units import ARDUPILOT, PX4
+from attest_mav.mavlink.constants import MAV_AUTOPILOT_ARDUPILOTMEGA, MAV_AUTOPILOT_PX4
 
 PATIENCE_NS: Final = 3_000_000_000
 """A message that was asked for and has given no sample by then gives way to the next. Five readings of a slow stream
@@ -19,9 +19,9 @@ def preferred_messages(autopilot: int) -> list[str]:
     ArduPilot's RAW_IMU is calibrated and has been there in every release. PX4's SCALED_IMU is free of PX4's own bias
     estimates, which HIGHRES_IMU has subtracted. Of the others, HIGHRES_IMU leaves the least doubt about its units.
     """
-    if autopilot == ARDUPILOT:
+    if autopilot == MAV_AUTOPILOT_ARDUPILOTMEGA:
         return ["RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "HIGHRES_IMU"]
-    if autopilot == PX4:
+    if autopilot == MAV_AUTOPILOT_PX4:
         return ["SCALED_IMU", "HIGHRES_IMU", "SCALED_IMU2"]
     return ["HIGHRES_IMU", "SCALED_IMU", "SCALED_IMU2", "RAW_IMU"]
 

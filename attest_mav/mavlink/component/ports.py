@@ -8,16 +8,12 @@ from attest_mav.algebra import is_finite, norm, q_norm
 from attest_mav.mavlink.component.encoder import COVARIANCE_UNKNOWN, Encoder
 from attest_mav.mavlink.component.notes import Notebook
 from attest_mav.mavlink.component.stream import Order
+from attest_mav.mavlink.constants import MAV_AUTOPILOT_INVALID, MAV_TYPE_ONBOARD_CONTROLLER
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.types import Estimate
 
 ATTITUDE_QUATERNION: Final = 31
 ATTITUDE_QUATERNION_COV: Final = 61
-
-TYPE_ONBOARD_CONTROLLER: Final = 18
-"""MAV_TYPE_ONBOARD_CONTROLLER: what we are, and MAVROS and MAVSDK companions too."""
-AUTOPILOT_INVALID: Final = 8
-"""MAV_AUTOPILOT_INVALID: we fly nothing."""
 
 ONBOARD_SILENCE_NS: Final = 5_000_000_000
 """An onboard computer that has not been heard for this long is gone."""
@@ -118,7 +114,7 @@ class Port:
 
     def heartbeat(self, state: int) -> None:
         """HEARTBEAT with this MAV_STATE."""
-        frame = self.encoder.heartbeat(TYPE_ONBOARD_CONTROLLER, AUTOPILOT_INVALID, 0, state)
+        frame = self.encoder.heartbeat(MAV_TYPE_ONBOARD_CONTROLLER, MAV_AUTOPILOT_INVALID, 0, state)
         self._heartbeats.append(frame[4])
         if len(self._heartbeats) > REMEMBERED_HEARTBEATS:
             self._heartbeats.pop(0)

@@ -10,15 +10,16 @@ from typing import Final
 
 from attest_mav.mavlink.component.notes import Notebook
 from attest_mav.mavlink.component.stream import LONGEST_PAUSE_NS, Order, Stream
+from attest_mav.mavlink.constants import (
+    MAV_RESULT_ACCEPTED,
+    MAV_RESULT_IN_PROGRESS,
+    MAV_RESULT_TEMPORARILY_REJECTED,
+    MAV_RESULT_UNSUPPORTED,
+    NO_DATA_STREAM,
+)
 
-ACCEPTED: Final = 0
-TEMPORARILY_REJECTED: Final = 1
-DENIED: Final = 2
-UNSUPPORTED: Final = 3
-FAILED: Final = 4
-IN_PROGRESS: Final = 5
-"""MAV_RESULT."""
 RESULT_NAMES: Final = ("accepted", "temporarily rejected", "denied", "unsupported", "failed", "in progress")
+"""By MAV_RESULT."""
 
 ACK_WAIT_NS: Final = 1_000_000_000
 MAX_TRIES: Final = 3
@@ -88,18 +89,18 @@ class StreamKeeper:
     def acknowledged(self, result: int, now_ns: int) -> None:
         """The vehicle answered a SET_MESSAGE_INTERVAL of ours: it can only be the one that is out."""
         stream = self._asking
-        if stream is None or result == IN_PROGRESS:
+        if stream is None or result == MAV_RESULT_IN_PROGRESS:
             return
         self._asking = None
         answer = RESULT_NAMES[result] if result < len(RESULT_NAMES) else f"result {result}"
         self._answered(stream, answer, now_ns)
-        if result == TEMPORARILY_REJECTED:
+        if result == MAV_RESULT_TEMPORARILY_REJECTED:
             stream.low_windows = LOW_WINDOWS
             stream.ask_again_ns = now_ns + stream.pause_ns
-        elif result != ACCEPTED:
+        elif result != MAV_RESULT_ACCEPTED:
             self._notebook.info(f"{stream.name} at {stream.hz:g} Hz: {answer}")
             stream.refused = True
-            if result == UNSUPPORTED:
+            if result == MAV_RESULT_UNSUPPORTED:
                 self._fall_back(stream)
 
     def overheard(self, who: str, now_ns: int) -> None:
@@ -142,7 +143,7 @@ class StreamKeeper:
         self._tries += 1
         if stream.message_id not in self.asked:
             self.asked.append(stream.message_id)
-        return Order(stream.message_id, stream.hz, -1, self._tries - 1)
+        return Order(stream.message_id, stream.hz, NO_DATA_STREAM, self._tries - 1)
 
     def _give_up(self, stream: Stream, now_ns: int) -> None:
         """No answer came: the old request may still be understood."""

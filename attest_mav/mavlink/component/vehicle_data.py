@@ -11,21 +11,21 @@ from attest_mav.mavlink.component.imu_choice import ImuChoice, preferred_message
 from attest_mav.mavlink.component.notes import Notebook
 from attest_mav.mavlink.component.stream import Order, Stream
 from attest_mav.mavlink.component.streams import StreamKeeper
-from attest_mav.mavlink.decode.units import INVALID
+from attest_mav.mavlink.constants import (
+    INERTIAL_MESSAGES,
+    MAV_AUTOPILOT_INVALID,
+    MAV_DATA_STREAM_EXTENDED_STATUS,
+    MAV_DATA_STREAM_EXTRA1,
+    MAV_DATA_STREAM_EXTRA2,
+    MAV_DATA_STREAM_POSITION,
+    MAV_DATA_STREAM_RAW_SENSORS,
+)
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.types import VehicleSettings
 
-IMU_MESSAGES: Final = ("RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "SCALED_IMU3", "HIGHRES_IMU")
 OTHER_MESSAGES: Final = ("ATTITUDE", "ATTITUDE_QUATERNION", "GPS_RAW_INT", "VFR_HUD", "SYSTEM_TIME")
 POSITION_MESSAGES: Final = ("GLOBAL_POSITION_INT", "LOCAL_POSITION_NED")
 """Come out of the autopilot's own filter: asked for only where the configuration wants them."""
-
-RAW_SENSORS: Final = 1
-EXTENDED_STATUS: Final = 2
-POSITION: Final = 6
-EXTRA1: Final = 10
-EXTRA2: Final = 11
-"""MAV_DATA_STREAM: on ArduPilot the groups of the IMU messages, GPS_RAW_INT, positions, ATTITUDE and VFR_HUD."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class VehicleData:
         self._dialect: Final = dialect
         self._settings: Final = settings
         self._notebook: Final = notebook
-        self._imu_ids: Final = frozenset([dialect.id_of(name) for name in IMU_MESSAGES])
+        self._imu_ids: Final = frozenset([dialect.id_of(name) for name in INERTIAL_MESSAGES])
         others = [*OTHER_MESSAGES, *settings.positions]
         if self.parameters.wanted:
             others.append("PARAM_VALUE")
@@ -66,7 +66,7 @@ class VehicleData:
         """Ids of all that can be of use."""
         self._choice: ImuChoice | None = None
         self._candidate_id = -1
-        self._autopilot = INVALID
+        self._autopilot = MAV_AUTOPILOT_INVALID
 
     @property
     def imu(self) -> Stream | None:
@@ -99,11 +99,11 @@ class VehicleData:
         settings = self._settings
         streams = [
             self._imu_stream(choice.candidate),
-            self._stream("ATTITUDE", settings.attitude_hz, EXTRA1),
-            self._stream("GPS_RAW_INT", settings.aiding_hz, EXTENDED_STATUS),
-            self._stream("VFR_HUD", settings.aiding_hz, EXTRA2),
+            self._stream("ATTITUDE", settings.attitude_hz, MAV_DATA_STREAM_EXTRA1),
+            self._stream("GPS_RAW_INT", settings.aiding_hz, MAV_DATA_STREAM_EXTENDED_STATUS),
+            self._stream("VFR_HUD", settings.aiding_hz, MAV_DATA_STREAM_EXTRA2),
         ]
-        streams += [self._stream(name, settings.aiding_hz, POSITION) for name in settings.positions]
+        streams += [self._stream(name, settings.aiding_hz, MAV_DATA_STREAM_POSITION) for name in settings.positions]
         self.keeper.begin(streams, now_ns)
         self.parameters.begin(self._autopilot, now_ns)
 
@@ -145,7 +145,7 @@ class VehicleData:
 
     def _imu_stream(self, message: str) -> Stream:
         self._candidate_id = self._dialect.id_of(message)
-        return self._stream(message, self._settings.imu_hz, RAW_SENSORS)
+        return self._stream(message, self._settings.imu_hz, MAV_DATA_STREAM_RAW_SENSORS)
 
     def _stream(self, message: str, hz: float, group: int) -> Stream:
         return Stream(self._dialect.id_of(message), message, hz, group)

@@ -11,14 +11,11 @@ from dataclasses import dataclass
 from math import nan
 from typing import Final
 
+from attest_mav.mavlink.constants import MAV_AUTOPILOT_ARDUPILOTMEGA, MAV_AUTOPILOT_PX4, MAV_PARAM_TYPE_INT32
 from attest_mav.mavlink.decode.readers import Reader
-from attest_mav.mavlink.decode.units import ARDUPILOT, PX4
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
 from attest_mav.types import ParameterSample, Sample, Setting, VehicleSettings
-
-INT32: Final = 6
-"""MAV_PARAM_TYPE_INT32."""
 
 
 @dataclass(frozen=True)
@@ -45,18 +42,22 @@ class Parameter:
 
 
 PARAMETERS: Final = (
-    Parameter("INS_GYRO_FILTER", ARDUPILOT, Setting.LOW_PASS_HZ, 1.0, 1.0, 1000.0),
-    Parameter("GPS1_DELAY_MS", ARDUPILOT, Setting.FIX_DELAY_S, 1e-3, 0.0, 1000.0, zero_is_default=True),
-    Parameter("GPS_DELAY_MS", ARDUPILOT, Setting.FIX_DELAY_S, 1e-3, 0.0, 1000.0, zero_is_default=True),
-    Parameter("EKF2_GPS_DELAY", PX4, Setting.FIX_DELAY_S, 1e-3, 0.0, 1000.0),
-    Parameter("SENS_GPS0_DELAY", PX4, Setting.FIX_DELAY_S, 1e-3, 0.0, 1000.0),
+    Parameter("INS_GYRO_FILTER", MAV_AUTOPILOT_ARDUPILOTMEGA, Setting.LOW_PASS_HZ, 1.0, 1.0, 1000.0),
+    Parameter(
+        "GPS1_DELAY_MS", MAV_AUTOPILOT_ARDUPILOTMEGA, Setting.FIX_DELAY_S, 1e-3, 0.0, 1000.0, zero_is_default=True
+    ),
+    Parameter(
+        "GPS_DELAY_MS", MAV_AUTOPILOT_ARDUPILOTMEGA, Setting.FIX_DELAY_S, 1e-3, 0.0, 1000.0, zero_is_default=True
+    ),
+    Parameter("EKF2_GPS_DELAY", MAV_AUTOPILOT_PX4, Setting.FIX_DELAY_S, 1e-3, 0.0, 1000.0),
+    Parameter("SENS_GPS0_DELAY", MAV_AUTOPILOT_PX4, Setting.FIX_DELAY_S, 1e-3, 0.0, 1000.0),
 )
 """ArduPilot 4.6 gave GPS_DELAY_MS its new name; of PX4's two the second is the newer."""
 
 
 def facts_of_firmware(autopilot: int) -> VehicleSettings:
     """What is known of every vehicle with this MAV_AUTOPILOT before it tells anything."""
-    return VehicleSettings(low_pass_hz=0.0) if autopilot == PX4 else VehicleSettings()
+    return VehicleSettings(low_pass_hz=0.0) if autopilot == MAV_AUTOPILOT_PX4 else VehicleSettings()
 
 
 def names_of(setting: Setting, autopilot: int) -> list[str]:
@@ -93,7 +94,7 @@ class ParameterReader(Reader):
         parameter = self._known.get(name.split(b"\0", 1)[0])
         if parameter is None:
             return []
-        if kind == INT32 and parameter.autopilot == PX4:
+        if kind == MAV_PARAM_TYPE_INT32 and parameter.autopilot == MAV_AUTOPILOT_PX4:
             number = float(int.from_bytes(frame.payload[:4], "little", signed=True))
         value = parameter.value(number)
         if value is None:

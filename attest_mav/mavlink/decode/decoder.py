@@ -6,6 +6,7 @@ are refused until a HEARTBEAT has told its MAV_AUTOPILOT. Refusals are results, 
 
 from typing import Final
 
+from attest_mav.mavlink.constants import INERTIAL_MESSAGES
 from attest_mav.mavlink.decode.autopilot_parameters import ParameterReader
 from attest_mav.mavlink.decode.boot_clock import BootClock
 from attest_mav.mavlink.decode.imu_reader import ImuReader
@@ -50,8 +51,7 @@ class Decoder:
         self.autopilots: Final = heartbeat.autopilots
         """MAV_AUTOPILOT by system id, as learned so far."""
         self._imu: Final = [
-            ImuReader(dialect, name, heartbeat.autopilots, boot_clock, raw_scales)
-            for name in ("RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "SCALED_IMU3", "HIGHRES_IMU")
+            ImuReader(dialect, name, heartbeat.autopilots, boot_clock, raw_scales) for name in INERTIAL_MESSAGES
         ]
         others: list[Reader] = [
             heartbeat,

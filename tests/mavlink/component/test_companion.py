@@ -3,7 +3,7 @@
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from attest_mav.mavlink.component.companion import ACTIVE, BOOT, Companion, CompanionSettings
+from attest_mav.mavlink.component.companion import Companion, CompanionSettings
 from attest_mav.mavlink.component.ports import PortSettings
 from attest_mav.mavlink.component.vehicle_data import DataSettings
 
@@ -25,16 +25,23 @@ def test_the_heartbeat_is_an_onboard_controllers_once_a_second_on_every_link_eve
     for link in (0, 1):
         beats = b.of_type("HEARTBEAT", link)
         assert len(beats) == 11
-        assert {(m.type, m.autopilot, m.base_mode, m.system_status) for m in beats} == {(18, 8, 0, BOOT)}
+        assert {(m.type, m.autopilot, m.base_mode, m.system_status) for m in beats} == {
+            (18, 8, 0, mavlink.MAV_STATE_BOOT)
+        }
         assert {(m.get_srcSystem(), m.get_srcComponent()) for m in beats} == {(1, 193)}
 
 
 def test_the_heartbeat_says_the_state(bench):
     b = bench()
     b.run_until(2.5)
-    b.companion.state = ACTIVE
+    b.companion.state = mavlink.MAV_STATE_ACTIVE
     b.run_until(3.5)
-    assert [m.system_status for m in b.of_type("HEARTBEAT")] == [BOOT, BOOT, BOOT, ACTIVE]
+    assert [m.system_status for m in b.of_type("HEARTBEAT")] == [
+        mavlink.MAV_STATE_BOOT,
+        mavlink.MAV_STATE_BOOT,
+        mavlink.MAV_STATE_BOOT,
+        mavlink.MAV_STATE_ACTIVE,
+    ]
 
 
 def test_a_late_loop_does_not_make_up_for_heartbeats(bench):

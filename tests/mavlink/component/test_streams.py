@@ -3,17 +3,12 @@
 import pytest
 
 from attest_mav.mavlink.component.stream import Stream
-from attest_mav.mavlink.component.streams import (
-    ACCEPTED,
-    DENIED,
-    TEMPORARILY_REJECTED,
-    UNSUPPORTED,
-    StreamKeeper,
-)
+from attest_mav.mavlink.component.streams import StreamKeeper
 
 SECOND = 1_000_000_000
 TICK = 10_000_000
 IMU, ATTITUDE = 27, 30
+ACCEPTED, TEMPORARILY_REJECTED, DENIED, UNSUPPORTED = 0, 1, 2, 3
 
 
 class Autopilot:
