@@ -3,7 +3,7 @@
 from attest_mav.estimation.lane import Lane
 from attest_mav.estimation.pipeline import Pipeline
 from attest_mav.estimation.vehicle import Vehicle
-from attest_mav.mavlink.component.discovery import LockOn
+from attest_mav.mavlink.component.discovery import VehicleDiscovery
 from attest_mav.mavlink.component.ports import Port
 from attest_mav.mavlink.component.stream import Stream
 from attest_mav.mavlink.decode.decoder import Decoder
@@ -25,9 +25,9 @@ def link_snapshot(framer: Framer, port: Port, traffic: Traffic) -> LinkSnapshot:
     )
 
 
-def vehicle_snapshot(lock_on: LockOn, vehicle: Vehicle) -> VehicleSnapshot | None:
+def vehicle_snapshot(discovery: VehicleDiscovery, vehicle: Vehicle) -> VehicleSnapshot | None:
     """The vehicle, None before one is found. ``vehicle``: the contents of its messages."""
-    found = lock_on.vehicle
+    found = discovery.vehicle
     if found is None:
         return None
     return VehicleSnapshot(
@@ -36,7 +36,7 @@ def vehicle_snapshot(lock_on: LockOn, vehicle: Vehicle) -> VehicleSnapshot | Non
         autopilot=found.autopilot,
         vehicle_type=found.vehicle_type,
         link=found.link,
-        is_present=lock_on.present,
+        is_present=discovery.present,
         kind=vehicle.kind,
         armed=vehicle.armed,
         settings=vehicle.settings,

@@ -136,10 +136,10 @@ class Service:
         return Snapshot(
             now_ns=now_ns,
             state=companion.state,
-            vehicle=vehicle_snapshot(companion.lock_on, self._vehicle),
-            ambiguity=companion.lock_on.ambiguity,
+            vehicle=vehicle_snapshot(companion.discovery, self._vehicle),
+            ambiguity=companion.discovery.ambiguity,
             links=tuple(link_snapshot(framer, port, counters) for framer, port, counters in parts),
-            streams=tuple(stream_snapshot(stream) for stream in companion.data.keeper.streams),
+            streams=tuple(stream_snapshot(stream) for stream in companion.data.stream_manager.streams),
             inertial="" if inertial is None else inertial.name,
             not_independent=frozenset(name for name, independent in decoder.independent.items() if not independent),
             refusals=refusals(decoder),

@@ -158,15 +158,8 @@ class Messages:
             accel = gyro = NOTHING
         milli_g = 1000.0 / G_MPS2
         return (
-            int16(accel[0] * milli_g),
-            int16(accel[1] * milli_g),
-            int16(accel[2] * milli_g),
-            int16(gyro[0] * 1000.0),
-            int16(gyro[1] * 1000.0),
-            int16(gyro[2] * 1000.0),
-            int16(mag[0] * 1000.0),
-            int16(mag[1] * 1000.0),
-            int16(mag[2] * 1000.0),
+            *(int16(value * milli_g) for value in accel),
+            *(int16(value * 1000.0) for value in (*gyro, *mag)),
         )
 
     def _uncalibrated(self, mag: Vec3) -> Vec3:

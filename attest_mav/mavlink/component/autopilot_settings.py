@@ -1,8 +1,8 @@
-"""Asking an autopilot for the parameters that tell what a filter wants to know of the vehicle.
+"""Reads the parameters of an autopilot that carry the vehicle's settings a filter needs.
 
-Each is asked for by name with PARAM_REQUEST_READ. An autopilot does not answer for a name that it does not have, and
-names change from one release to the next: so the names of a setting are tried in turn, ever more seldom, and then it
-is left at what the filter assumes.
+Each parameter is requested by name with PARAM_REQUEST_READ. An autopilot does not answer for a name that it does not
+have, and names change between releases. The names of a setting are therefore tried in turn, at doubling intervals;
+without an answer the filter keeps its own assumption.
 """
 
 from math import isfinite
@@ -13,13 +13,14 @@ from attest_mav.mavlink.decode.autopilot_parameters import names_of, quantity, w
 from attest_mav.types import ParameterSample, Setting, VehicleSettings
 
 FIRST_PAUSE_NS: Final = 1_000_000_000
-"""Doubled after each request."""
+"""Pause after the first request; it doubles after each one."""
 MAX_TRIES: Final = 6
-"""Over a minute: the first of them may meet an autopilot that has just booted, or a ground station's download."""
+"""Requests at 0, 1, 3, 7, 15 and 31 s; given up at 63 s. The early ones may be lost while the autopilot boots or a
+ground station downloads all parameters."""
 
 
-class Question:
-    """One setting that is wanted."""
+class ParameterRequest:
+    """An open request for one setting: the names under which autopilots have it, tried in turn."""
 
     def __init__(self, setting: Setting, names: list[str], now_ns: int) -> None:
         self.setting: Final = setting
@@ -28,18 +29,18 @@ class Question:
         self.due_ns = now_ns
 
     def next_name(self, now_ns: int) -> str:
-        """The name to ask for now."""
+        """The name to request now; the next request follows after the doubled pause."""
         name = self.names[self.tries % len(self.names)]
         self.due_ns = now_ns + (FIRST_PAUSE_NS << self.tries)
         self.tries += 1
         return name
 
 
-class ParameterAsker:
-    """The questions to one vehicle. ``poll`` returns the names to ask for; it does not send.
+class AutopilotSettings:
+    """The settings of one vehicle and the open requests for them. ``poll`` returns names to request; it does not send.
 
-    asks: False only listens. default_settings: each that is not NaN is wanted,
-    and holds until the autopilot tells another.
+    asks: False requests nothing and only listens. default_settings: the filter's own; those that are not NaN are
+    requested, and hold until the autopilot has answered.
     """
 
     def __init__(self, asks: bool, default_settings: VehicleSettings, notebook: Notebook) -> None:
@@ -47,66 +48,68 @@ class ParameterAsker:
         self._asks: Final = asks
         self._assumed: Final = default_settings
         self._notebook: Final = notebook
-        self._questions: list[Question] = []
-        self._told: dict[Setting, str] = {}
+        self._open: list[ParameterRequest] = []
+        self._noted: dict[Setting, str] = {}
 
     def begin(self, autopilot: int, now_ns: int) -> None:
-        """Ask for everything: a vehicle was found, or found again, or has rebooted. ``autopilot``: MAV_AUTOPILOT."""
-        self._questions = []
+        """Request every setting: a vehicle was found, found again, or has rebooted. ``autopilot``: MAV_AUTOPILOT."""
+        self._open = []
         if not self._asks:
             return
         for setting in self.wanted:
             names = names_of(setting, autopilot)
             if names:
-                self._questions.append(Question(setting, names, now_ns))
+                self._open.append(ParameterRequest(setting, names, now_ns))
 
     def forget(self) -> None:
-        """There is no vehicle any more, or another one."""
-        self._questions = []
-        self._told = {}
+        """Drop all requests and notes: there is no vehicle any more, or another one."""
+        self._open = []
+        self._noted = {}
 
-    def told(self, sample: ParameterSample) -> None:
-        """The vehicle told a setting, whoever asked."""
+    def received(self, sample: ParameterSample) -> None:
+        """The vehicle sent a parameter, whoever had requested it."""
         setting = sample.setting
         if setting not in self.wanted:
             return
-        self._questions = [one for one in self._questions if one.setting != setting]
-        what = f"the autopilot's {quantity(setting)}"
+        self._open = [request for request in self._open if request.setting != setting]
+        subject = f"the autopilot's {quantity(setting)}"
         if isfinite(sample.value):
-            self._say(setting, f"{what} is {with_unit(setting, sample.value)} ({sample.name})")
+            self._note(setting, f"{subject} is {with_unit(setting, sample.value)} ({sample.name})")
         else:
-            self._say(setting, f"{what} is left to a driver ({sample.name} is 0): {self._assume(setting)}")
+            self._note(setting, f"{subject} is left to a driver ({sample.name} is 0): {self._assumption(setting)}")
 
     def poll(self, now_ns: int) -> list[str]:
-        """The names of the parameters to ask for now."""
+        """The names of the parameters to request now."""
         names = []
-        open_ones = []
-        for question in self._questions:
-            if now_ns < question.due_ns:
-                open_ones.append(question)
-            elif question.tries < MAX_TRIES:
-                names.append(question.next_name(now_ns))
-                open_ones.append(question)
+        still_open = []
+        for request in self._open:
+            if now_ns < request.due_ns:
+                still_open.append(request)
+            elif request.tries < MAX_TRIES:
+                names.append(request.next_name(now_ns))
+                still_open.append(request)
             else:
-                self._give_up(question)
-        self._questions = open_ones
+                self._give_up(request)
+        self._open = still_open
         return names
 
     @property
     def next_deadline_ns(self) -> int | None:
-        """When ``poll`` is due; None while nothing is asked."""
-        return min([question.due_ns for question in self._questions]) if self._questions else None
+        """When ``poll`` is due; None while no request is open."""
+        return min([request.due_ns for request in self._open]) if self._open else None
 
-    def _give_up(self, question: Question) -> None:
-        setting = question.setting
-        names = " or ".join(question.names)
-        self._say(setting, f"the autopilot does not tell its {quantity(setting)} ({names}): {self._assume(setting)}")
+    def _give_up(self, request: ParameterRequest) -> None:
+        setting = request.setting
+        names = " or ".join(request.names)
+        self._note(
+            setting, f"the autopilot does not tell its {quantity(setting)} ({names}): {self._assumption(setting)}"
+        )
 
-    def _assume(self, setting: Setting) -> str:
+    def _assumption(self, setting: Setting) -> str:
         return f"{with_unit(setting, self._assumed.get(setting))} is assumed"
 
-    def _say(self, setting: Setting, text: str) -> None:
-        """Leave a note, unless the same was said last."""
-        if self._told.get(setting) != text:
-            self._told[setting] = text
+    def _note(self, setting: Setting, text: str) -> None:
+        """Leave a note, unless the last one on this setting had the same text."""
+        if self._noted.get(setting) != text:
+            self._noted[setting] = text
             self._notebook.info(text)

@@ -10,7 +10,7 @@ from math import degrees, nan
 from typing import Final
 
 from attest_mav.mavlink.component.commands import CommandReader, answer
-from attest_mav.mavlink.component.discovery import LockOn, Vehicle
+from attest_mav.mavlink.component.discovery import Vehicle, VehicleDiscovery
 from attest_mav.mavlink.component.notes import Notebook
 from attest_mav.mavlink.component.ports import Port, PortSettings
 from attest_mav.mavlink.component.vehicle_data import DataSettings, VehicleData
@@ -57,7 +57,7 @@ class Companion:
         self, dialect: Dialect, settings: CompanionSettings, links: list[tuple[str, PortSettings]], now_ns: int
     ) -> None:
         self.notebook: Final = Notebook()
-        self.lock_on: Final = LockOn(settings.vehicle_system, self.notebook)
+        self.discovery: Final = VehicleDiscovery(settings.vehicle_system, self.notebook)
         self.data: Final = VehicleData(dialect, settings.data, self.notebook)
         self.state = MAV_STATE_BOOT
         """MAV_STATE of the heartbeat; set by who knows."""
@@ -95,7 +95,7 @@ class Companion:
         if message_id in self._command_ids:
             self._hear_command(link, frame, now_ns)
             return False
-        vehicle = self.lock_on.vehicle
+        vehicle = self.discovery.vehicle
         if vehicle is None:
             return False
         if frame.system == vehicle.system and frame.component == vehicle.component and link == vehicle.link:
@@ -103,7 +103,7 @@ class Companion:
                 return self.data.arrived(message_id)
             self._hear_ack(frame, now_ns)
         elif message_id == self._stream_id:
-            self.data.keeper.overheard(f"system {frame.system}", now_ns)
+            self.data.stream_manager.overheard(f"system {frame.system}", now_ns)
         return False
 
     def imu_taken(self, message: str, now_ns: int) -> bool:
@@ -112,7 +112,7 @@ class Companion:
 
     def parameter_taken(self, sample: ParameterSample) -> None:
         """A parameter of the vehicle was decoded."""
-        self.data.parameters.told(sample)
+        self.data.autopilot_settings.received(sample)
 
     def publish(self, estimate: Estimate, now_ns: int) -> None:
         """The newest estimate: sent where and when it is due, and remembered for who asks."""
@@ -130,7 +130,7 @@ class Companion:
 
     def link_broken(self, link: int) -> None:
         """The stream of this link ended, or began anew."""
-        self.lock_on.link_broken(link)
+        self.discovery.link_broken(link)
 
     def ask_again(self, now_ns: int) -> None:
         """The autopilot rebooted and has forgotten what it was asked."""
@@ -138,13 +138,13 @@ class Companion:
 
     def poll(self, now_ns: int) -> None:
         """Do what is due."""
-        self.lock_on.poll(now_ns)
-        vehicle = self.lock_on.vehicle
-        if vehicle is not None and self.lock_on.present:
+        self.discovery.poll(now_ns)
+        vehicle = self.discovery.vehicle
+        if vehicle is not None and self.discovery.present:
             port = self.ports[vehicle.link]
-            for order in self.data.poll(now_ns):
-                port.order(order, vehicle.system, vehicle.component)
-            for name in self.data.parameters.poll(now_ns):
+            for request in self.data.poll(now_ns):
+                port.request(request, vehicle.system, vehicle.component)
+            for name in self.data.autopilot_settings.poll(now_ns):
                 port.put(port.encoder.param_request_read(vehicle.system, vehicle.component, name))
         if now_ns >= self._next_heartbeat_ns:
             self._next_heartbeat_ns = max(self._next_heartbeat_ns + HEARTBEAT_NS, now_ns + HEARTBEAT_NS // 2)
@@ -154,7 +154,7 @@ class Companion:
     def next_deadline_ns(self) -> int:
         """When ``poll`` is due at the latest; a time in the past is at once."""
         due_ns = self._next_heartbeat_ns
-        silence_ns = self.lock_on.next_deadline_ns
+        silence_ns = self.discovery.next_deadline_ns
         if silence_ns is None:
             return due_ns
         data_ns = self.data.next_deadline_ns
@@ -162,10 +162,10 @@ class Companion:
 
     def stop(self) -> None:
         """Say goodbye: the rates set back where configured, and a heartbeat with POWEROFF on every link."""
-        vehicle = self.lock_on.vehicle
+        vehicle = self.discovery.vehicle
         if vehicle is not None and self._settings.data.restores:
             port = self.ports[vehicle.link]
-            for message_id in self.data.keeper.asked:
+            for message_id in self.data.stream_manager.asked:
                 port.put(port.encoder.set_message_interval(vehicle.system, vehicle.component, message_id, 0))
         for port in self.ports:
             port.heartbeat(MAV_STATE_POWEROFF)
@@ -188,8 +188,8 @@ class Companion:
 
     def _hear_heartbeat(self, link: int, frame: Frame, now_ns: int) -> bool:
         vehicle_type, autopilot = self._heartbeat.unpack(frame.payload)
-        found = self.lock_on.heartbeat(link, frame.system, frame.component, vehicle_type, autopilot, now_ns)
-        vehicle = self.lock_on.vehicle
+        found = self.discovery.heartbeat(link, frame.system, frame.component, vehicle_type, autopilot, now_ns)
+        vehicle = self.discovery.vehicle
         if vehicle is None:
             self._forget()
         elif found:
@@ -206,14 +206,14 @@ class Companion:
         ):
             answer(command, self.ports[link], self._estimate, self.state)
         elif command.number == MAV_CMD_SET_MESSAGE_INTERVAL:
-            self.data.keeper.overheard(f"system {frame.system}", now_ns)
+            self.data.stream_manager.overheard(f"system {frame.system}", now_ns)
 
     def _hear_ack(self, frame: Frame, now_ns: int) -> None:
         """The vehicle's answer to our command; MAVLink 1 and some autopilots leave the targets zero."""
         command, result, system, component = self._ack.unpack(frame.payload)
         meant = (system == 0 or system == self._system) and (component == 0 or component == self._settings.component)  # noqa: PLR1714
         if meant and command == MAV_CMD_SET_MESSAGE_INTERVAL:
-            self.data.keeper.acknowledged(result, now_ns)
+            self.data.stream_manager.acknowledged(result, now_ns)
 
     def _forget(self) -> None:
         """There is no vehicle, or none any more because there are several."""

@@ -1,11 +1,11 @@
-"""Which vehicle this is about: the one system whose HEARTBEAT names an autopilot and a type that can move.
+"""Finds the vehicle: the one system whose HEARTBEAT names an autopilot and a type that can move.
 
-Cameras, gimbals and ground stations have heartbeats too. Most say MAV_AUTOPILOT_INVALID; those that claim a generic
-autopilot are known by their MAV_TYPE. The autopilot is component 1 of its system. Another component that claims to fly
-the vehicle is believed only while no component 1 is heard, and gives way to it on whatever link it appears.
+Cameras, gimbals and ground stations send heartbeats too. Most have MAV_AUTOPILOT_INVALID; those with a generic
+autopilot are recognised by their MAV_TYPE. The autopilot is component 1 of its system. Another component that claims to
+be the autopilot is accepted only while no component 1 is heard, and is replaced by component 1 on any link.
 
-Once found, a vehicle is kept for good: it may fall silent, reboot, or come back on another link, and is the same
-vehicle still. While several vehicles are heard from the start, none is chosen.
+A vehicle that was found is kept: it may fall silent, reboot, or return on another link. While several vehicles are
+heard from the start, none is chosen.
 """
 
 from typing import Final
@@ -61,18 +61,18 @@ NO_VEHICLES: Final = frozenset(
 """Values of MAV_TYPE that are no vehicles."""
 
 AMBIGUITY_NS: Final = 3_000_000_000
-"""A second vehicle that shows up this soon after the first makes the choice a matter of chance: none is chosen. Later,
-in flight perhaps, it is only reported. Heartbeats come once a second, so three of them fit."""
+"""A second vehicle that is heard within this time after the first leaves the choice to chance, so none is chosen. A
+later one is only reported. Heartbeats come once a second, so three of them fit."""
 GRACE_NS: Final = 3_000_000_000
-"""For so long component 1 is waited for, once another component claims to be the autopilot."""
+"""How long component 1 is awaited once another component claims to be the autopilot."""
 SILENCE_NS: Final = 3_500_000_000
-"""Three heartbeats missed: the vehicle is silent, and may be taken up on another link."""
+"""After three missed heartbeats the vehicle is silent, and may be taken up on another link."""
 REMINDER_NS: Final = 60_000_000_000
-"""That there are several vehicles is said again after this long."""
+"""Pause between two notes that several vehicles are heard."""
 
 
 class Vehicle:
-    """The vehicle that was found. ``link``: number of the link it was last taken up on."""
+    """A vehicle. ``link``: number of the link on which it was last taken up."""
 
     def __init__(self, system: int, component: int, autopilot: int, vehicle_type: int, link: int) -> None:
         self.system: Final = system
@@ -83,21 +83,24 @@ class Vehicle:
 
 
 class _Claim:
-    """A system that may be the vehicle: since when and when last it was heard, and when last its component 1 was."""
+    """A system that may be the vehicle."""
 
     def __init__(self, now_ns: int) -> None:
         self.began_ns: Final = now_ns
+        """First heartbeat since the system was last silent."""
         self.heard_ns = now_ns
+        """Latest heartbeat."""
         self.autopilot_ns = now_ns - SILENCE_NS
+        """Latest heartbeat of its component 1."""
 
 
-class LockOn:
+class VehicleDiscovery:
     """Finds the vehicle in the heartbeats of all links. ``wanted_system``: the only one to take, 0 for any."""
 
     def __init__(self, wanted_system: int, notebook: Notebook) -> None:
         self.vehicle: Vehicle | None = None
         self.present = False
-        """Whether the vehicle's heartbeats arrive, on a stream that has not broken since."""
+        """Whether the vehicle's heartbeats arrive, on a link that has not broken since."""
         self.ambiguity = ""
         """Why no vehicle is chosen although there are some; empty otherwise."""
         self._wanted_system: Final = wanted_system
@@ -105,15 +108,15 @@ class LockOn:
         self._claims: Final[dict[int, _Claim]] = {}
         self._found_ns = 0
         self._heard_ns = 0
-        self._remind_ns = 0
-        self._others: list[int] = []
+        self._next_reminder_ns = 0
+        self._reported: list[int] = []
 
     def heartbeat(self, link: int, system: int, component: int, vehicle_type: int, autopilot: int, now_ns: int) -> bool:
-        """Take one heartbeat; True when the vehicle was found by it, or found again."""
+        """Take one heartbeat; True when it made the vehicle known, for the first time or again."""
         if not self._may_fly(system, component, vehicle_type, autopilot):
             return False
         if self._wanted_system not in {0, system}:
-            self._other(system)
+            self._report_other(system)
             return False
         claim = self._claim(system, component, now_ns)
         heard = Vehicle(system, component, autopilot, vehicle_type, link)
@@ -123,18 +126,18 @@ class LockOn:
         if system == known.system:
             return self._follow(known, heard, now_ns)
         if self.settled(now_ns) or system not in self._rivals(now_ns):
-            self._other(system)
+            self._report_other(system)
             return False
         self.vehicle = None
         self.present = False
         return self._choose(heard, claim, now_ns)
 
     def settled(self, now_ns: int) -> bool:
-        """Whether the choice stands, whoever else shows up."""
+        """Whether the choice stands, whichever other vehicle is heard."""
         return self.vehicle is not None and now_ns - self._found_ns >= AMBIGUITY_NS
 
     def link_broken(self, link: int) -> None:
-        """The stream of this link ended or began anew: a fresh heartbeat is needed before anything is asked for."""
+        """The link ended or began anew: a fresh heartbeat is needed before anything is requested."""
         if self.vehicle is not None and self.vehicle.link == link:
             self.present = False
 
@@ -148,11 +151,11 @@ class LockOn:
 
     @property
     def next_deadline_ns(self) -> int | None:
-        """When silence is to be noticed; None while there is nothing to miss."""
+        """When silence is to be noticed; None while no heartbeat is expected."""
         return self._heard_ns + SILENCE_NS if self.present else None
 
     def _may_fly(self, system: int, component: int, vehicle_type: int, autopilot: int) -> bool:
-        """Whether this heartbeat can be a vehicle's. One that is named may call itself what it likes."""
+        """Whether this heartbeat can be a vehicle's. The configured system may have any MAV_TYPE but GCS."""
         if autopilot == MAV_AUTOPILOT_INVALID or vehicle_type == MAV_TYPE_GCS:
             return False
         named = system == self._wanted_system and component == MAV_COMP_ID_AUTOPILOT1
@@ -170,19 +173,19 @@ class LockOn:
         return claim
 
     def _rivals(self, now_ns: int) -> list[int]:
-        """The systems that are heard and may be the vehicle: those with a component 1, if there are any."""
+        """The systems that are heard and may be the vehicle: those with a component 1 if there are any, else all."""
         claims = self._claims
         heard = sorted(system for system in claims if now_ns - claims[system].heard_ns < SILENCE_NS)
         return [system for system in heard if now_ns - claims[system].autopilot_ns < SILENCE_NS] or heard
 
     def _choose(self, heard: Vehicle, claim: _Claim, now_ns: int) -> bool:
-        """Take the vehicle if it is the only one, and its autopilot is heard or has been waited for."""
+        """Take the vehicle if it is the only one, and its component 1 is heard or was awaited long enough."""
         rivals = self._rivals(now_ns)
         if len(rivals) > 1:
-            self._puzzle(rivals, now_ns)
+            self._report_several(rivals, now_ns)
             return False
         self.ambiguity = ""
-        self._remind_ns = 0
+        self._next_reminder_ns = 0
         if heard.system not in rivals:
             return False
         if heard.component != MAV_COMP_ID_AUTOPILOT1 and now_ns - max(claim.began_ns, claim.autopilot_ns) < GRACE_NS:
@@ -192,7 +195,7 @@ class LockOn:
         return True
 
     def _follow(self, known: Vehicle, heard: Vehicle, now_ns: int) -> bool:
-        """A heartbeat of the vehicle's system: from the known component, from the autopilot itself, or of no interest.
+        """Take a heartbeat of the vehicle's system: the known component's, or component 1's; others are ignored.
 
         Another link is taken only when the known one is silent.
         """
@@ -212,18 +215,18 @@ class LockOn:
         self.present = True
         self._heard_ns = now_ns
 
-    def _puzzle(self, rivals: list[int], now_ns: int) -> None:
-        """Several vehicles: say it now and then."""
+    def _report_several(self, rivals: list[int], now_ns: int) -> None:
+        """Several vehicles: leave a note, and repeat it after a pause."""
         names = f"{', '.join(map(str, rivals[:-1]))} and {rivals[-1]}"
         self.ambiguity = f"several vehicles, systems {names}: name one with system_id under [vehicle]"
-        if now_ns >= self._remind_ns:
-            self._remind_ns = now_ns + REMINDER_NS
+        if now_ns >= self._next_reminder_ns:
+            self._next_reminder_ns = now_ns + REMINDER_NS
             self._notebook.error(f"{self.ambiguity} in the configuration; nothing is sent until one is left")
 
-    def _other(self, system: int) -> None:
+    def _report_other(self, system: int) -> None:
         """Report another vehicle, once."""
-        if system in self._others:
+        if system in self._reported:
             return
-        self._others.append(system)
+        self._reported.append(system)
         kept = self._wanted_system if self.vehicle is None else self.vehicle.system
         self._notebook.warning(f"another vehicle, system {system}, is on the links; only system {kept} is used")

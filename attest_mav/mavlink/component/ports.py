@@ -7,7 +7,7 @@ from typing import Final
 from attest_mav.algebra import is_finite, norm, q_norm
 from attest_mav.mavlink.component.encoder import COVARIANCE_UNKNOWN, Encoder
 from attest_mav.mavlink.component.notes import Notebook
-from attest_mav.mavlink.component.stream import Order
+from attest_mav.mavlink.component.stream import StreamRequest
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_INVALID, MAV_TYPE_ONBOARD_CONTROLLER
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.types import Estimate
@@ -97,13 +97,13 @@ class Port:
         """Send this frame."""
         self._out.append(frame)
 
-    def order(self, order: Order, system: int, component: int) -> None:
-        """Ask the vehicle with these ids for a message."""
-        if order.group >= 0:
-            frame = self.encoder.request_data_stream(system, component, order.group, max(1, round(order.hz)))
+    def request(self, request: StreamRequest, system: int, component: int) -> None:
+        """Request a stream from the vehicle with these ids."""
+        if request.group >= 0:
+            frame = self.encoder.request_data_stream(system, component, request.group, max(1, round(request.hz)))
         else:
             frame = self.encoder.set_message_interval(
-                system, component, order.message_id, order.interval_us, order.confirmation
+                system, component, request.message_id, request.interval_us, request.confirmation
             )
         self.put(frame)
 

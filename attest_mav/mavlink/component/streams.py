@@ -1,15 +1,15 @@
-"""Asking an autopilot for messages, and seeing that they come.
+"""Requests messages from an autopilot, measures their rates and repeats requests that are not met.
 
-Each message is asked for with MAV_CMD_SET_MESSAGE_INTERVAL, one command at a time, since COMMAND_ACK does not say which
-message it is about. Then what arrives is measured: an ACK is a promise, and ground stations that ask for streams of
-their own override it. A rate that stays low is asked for again, ever more seldom; one that the autopilot accepts and
-still does not deliver is its ceiling, and is left alone.
+Each message is requested with MAV_CMD_SET_MESSAGE_INTERVAL, one command at a time, because COMMAND_ACK does not name
+the message. The rate that arrives is measured, because ground stations with requests of their own override an accepted
+one. A request is repeated, at doubling intervals, while its rate stays low. A rate that the autopilot accepts and does
+not deliver even after a second request is its ceiling: the request is then not repeated.
 """
 
 from typing import Final
 
 from attest_mav.mavlink.component.notes import Notebook
-from attest_mav.mavlink.component.stream import LONGEST_PAUSE_NS, Order, Stream
+from attest_mav.mavlink.component.stream import LONGEST_PAUSE_NS, Stream, StreamRequest
 from attest_mav.mavlink.constants import (
     MAV_RESULT_ACCEPTED,
     MAV_RESULT_IN_PROGRESS,
@@ -23,27 +23,27 @@ RESULT_NAMES: Final = ("accepted", "temporarily rejected", "denied", "unsupporte
 
 ACK_WAIT_NS: Final = 1_000_000_000
 MAX_TRIES: Final = 3
-"""A command without an answer is sent this often, with a raised confirmation."""
+"""Sendings of a command that is not answered, each with its confirmation raised by one."""
 LOW_WINDOWS: Final = 2
-"""Under 80 % of the request in two windows in a row: ask again."""
+"""Windows in a row under ``LOW_SHARE`` of the request before it is repeated."""
 OVERRIDE_MEMORY_NS: Final = 60_000_000_000
-"""Who asked for streams within the last minute may be who overrides ours."""
+"""A component that requested streams within this time is named as the one that may override ours."""
 
 
-class StreamKeeper:
-    """The requests of one vehicle. ``poll`` returns what is to be sent; it does not send.
+class StreamManager:
+    """The requested streams of one vehicle. ``poll`` returns the requests to send; it does not send.
 
-    ``asks`` False only measures: for links where someone else sets the rates.
+    asks: False only measures, for links where another program sets the rates.
     """
 
     def __init__(self, asks: bool, notebook: Notebook) -> None:
         self.streams: list[Stream] = []
         self.asked: list[int] = []
-        """Ids of all messages that the vehicle was ever asked for."""
+        """Ids of all messages that were ever requested from the vehicle."""
         self._asks: Final = asks
         self._notebook: Final = notebook
         self._queue: list[Stream] = []
-        self._fallbacks: list[Order] = []
+        self._fallbacks: list[StreamRequest] = []
         self._asking: Stream | None = None
         self._tries = 0
         self._ack_due_ns = 0
@@ -51,7 +51,7 @@ class StreamKeeper:
         self._overridden_ns = -OVERRIDE_MEMORY_NS
 
     def begin(self, streams: list[Stream], now_ns: int) -> None:
-        """Ask for these and nothing else: a vehicle was found, or found again."""
+        """Request these and nothing else: a vehicle was found, or found again."""
         self.streams = []
         self._queue = []
         self._fallbacks = []
@@ -60,12 +60,12 @@ class StreamKeeper:
             self.want(stream, now_ns)
 
     def forget(self) -> None:
-        """There is no vehicle any more, or another one."""
+        """Drop all streams: there is no vehicle any more, or another one."""
         self.begin([], 0)
         self.asked = []
 
     def want(self, stream: Stream, now_ns: int) -> None:
-        """Ask for one more message, before all others that wait."""
+        """Request one more message, before all others that wait."""
         stream.measure_anew(now_ns)
         stream.good_since_ns = now_ns
         self.streams.insert(0, stream)
@@ -73,7 +73,7 @@ class StreamKeeper:
             self._queue.insert(0, stream)
 
     def drop(self, message_id: int) -> None:
-        """No longer look after this message."""
+        """Neither request nor measure this message any longer."""
         self.streams = [stream for stream in self.streams if stream.message_id != message_id]
         self._queue = [stream for stream in self._queue if stream.message_id != message_id]
         if self._asking is not None and self._asking.message_id == message_id:
@@ -87,7 +87,7 @@ class StreamKeeper:
                 return
 
     def acknowledged(self, result: int, now_ns: int) -> None:
-        """The vehicle answered a SET_MESSAGE_INTERVAL of ours: it can only be the one that is out."""
+        """The vehicle answered a SET_MESSAGE_INTERVAL of ours: only one is unanswered at a time."""
         stream = self._asking
         if stream is None or result == MAV_RESULT_IN_PROGRESS:
             return
@@ -104,29 +104,29 @@ class StreamKeeper:
                 self._fall_back(stream)
 
     def overheard(self, who: str, now_ns: int) -> None:
-        """Someone else asked the vehicle for streams."""
+        """Another component requested streams from the vehicle."""
         self._overrider = who
         self._overridden_ns = now_ns
 
-    def poll(self, now_ns: int) -> list[Order]:
-        """Look at the rates that are known by now, and return the requests that are due."""
+    def poll(self, now_ns: int) -> list[StreamRequest]:
+        """Close the measuring windows that have ended, and return the requests that are due."""
         for stream in self.streams:
             if stream.close_window(now_ns):
                 self._judge(stream, now_ns)
-        orders: list[Order] = []
+        requests: list[StreamRequest] = []
         asking = self._asking
         if asking is not None and now_ns >= self._ack_due_ns:
             if self._tries < MAX_TRIES:
-                orders.append(self._next_try(asking, now_ns))
+                requests.append(self._next_try(asking, now_ns))
             else:
                 self._give_up(asking, now_ns)
         if self._asking is None and self._queue:
             self._asking = self._queue.pop(0)
             self._tries = 0
-            orders.append(self._next_try(self._asking, now_ns))
-        orders += self._fallbacks
+            requests.append(self._next_try(self._asking, now_ns))
+        requests += self._fallbacks
         self._fallbacks = []
-        return orders
+        return requests
 
     @property
     def next_deadline_ns(self) -> int | None:
@@ -138,15 +138,15 @@ class StreamKeeper:
             deadlines.append(self._ack_due_ns)
         return min(deadlines) if deadlines else None
 
-    def _next_try(self, stream: Stream, now_ns: int) -> Order:
+    def _next_try(self, stream: Stream, now_ns: int) -> StreamRequest:
         self._ack_due_ns = now_ns + ACK_WAIT_NS
         self._tries += 1
         if stream.message_id not in self.asked:
             self.asked.append(stream.message_id)
-        return Order(stream.message_id, stream.hz, NO_DATA_STREAM, self._tries - 1)
+        return StreamRequest(stream.message_id, stream.hz, NO_DATA_STREAM, self._tries - 1)
 
     def _give_up(self, stream: Stream, now_ns: int) -> None:
-        """No answer came: the old request may still be understood."""
+        """No answer came: the older REQUEST_DATA_STREAM may still be understood."""
         self._asking = None
         self._answered(stream, "no answer", now_ns)
         self._notebook.info(f"{stream.name} at {stream.hz:g} Hz: no answer to {MAX_TRIES} requests")
@@ -157,14 +157,14 @@ class StreamKeeper:
         stream.measure_anew(now_ns)
 
     def _fall_back(self, stream: Stream) -> None:
-        """Ask with REQUEST_DATA_STREAM for the group that holds the message."""
+        """Request the group that holds the message with REQUEST_DATA_STREAM."""
         if stream.group >= 0:
             stream.refused = False
             stream.answer += ", asked by stream group"
-            self._fallbacks.append(Order(stream.message_id, stream.hz, stream.group, 0))
+            self._fallbacks.append(StreamRequest(stream.message_id, stream.hz, stream.group, 0))
 
     def _judge(self, stream: Stream, now_ns: int) -> None:
-        """Decide after each window whether to ask again."""
+        """Decide after a window whether to repeat the request."""
         if stream.refused or not self._asks or stream is self._asking or stream in self._queue:
             return
         overridden = now_ns - self._overridden_ns < OVERRIDE_MEMORY_NS

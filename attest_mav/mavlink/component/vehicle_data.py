@@ -6,11 +6,11 @@ What aids a filter are messages, and settings that are parameters of the autopil
 from dataclasses import dataclass, field
 from typing import Final
 
-from attest_mav.mavlink.component.autopilot_settings import ParameterAsker
+from attest_mav.mavlink.component.autopilot_settings import AutopilotSettings
 from attest_mav.mavlink.component.imu_choice import ImuChoice, preferred_messages
 from attest_mav.mavlink.component.notes import Notebook
-from attest_mav.mavlink.component.stream import Order, Stream
-from attest_mav.mavlink.component.streams import StreamKeeper
+from attest_mav.mavlink.component.stream import Stream, StreamRequest
+from attest_mav.mavlink.component.streams import StreamManager
 from attest_mav.mavlink.constants import (
     INERTIAL_MESSAGES,
     MAV_AUTOPILOT_INVALID,
@@ -53,14 +53,14 @@ class VehicleData:
     """Asks for the messages, chooses among the inertial ones, and says which frames are worth decoding."""
 
     def __init__(self, dialect: Dialect, settings: DataSettings, notebook: Notebook) -> None:
-        self.keeper: Final = StreamKeeper(settings.asks, notebook)
-        self.parameters: Final = ParameterAsker(settings.asks, settings.default_settings, notebook)
+        self.stream_manager: Final = StreamManager(settings.asks, notebook)
+        self.autopilot_settings: Final = AutopilotSettings(settings.asks, settings.default_settings, notebook)
         self._dialect: Final = dialect
         self._settings: Final = settings
         self._notebook: Final = notebook
         self._imu_ids: Final = frozenset([dialect.id_of(name) for name in INERTIAL_MESSAGES])
         others = [*OTHER_MESSAGES, *settings.positions]
-        if self.parameters.wanted:
+        if self.autopilot_settings.wanted:
             others.append("PARAM_VALUE")
         self.wanted: Final = self._imu_ids | frozenset([dialect.id_of(name) for name in others])
         """Ids of all that can be of use."""
@@ -71,7 +71,7 @@ class VehicleData:
     @property
     def imu(self) -> Stream | None:
         """The inertial message in use or being tried, None before there is a vehicle."""
-        for stream in self.keeper.streams:
+        for stream in self.stream_manager.streams:
             if stream.message_id == self._candidate_id:
                 return stream
         return None
@@ -88,8 +88,8 @@ class VehicleData:
         """The vehicle is no longer the one that was asked, or there is none."""
         self._choice = None
         self._candidate_id = -1
-        self.keeper.forget()
-        self.parameters.forget()
+        self.stream_manager.forget()
+        self.autopilot_settings.forget()
 
     def begin(self, now_ns: int) -> None:
         """Ask for everything from the beginning."""
@@ -104,28 +104,28 @@ class VehicleData:
             self._stream("VFR_HUD", settings.aiding_hz, MAV_DATA_STREAM_EXTRA2),
         ]
         streams += [self._stream(name, settings.aiding_hz, MAV_DATA_STREAM_POSITION) for name in settings.positions]
-        self.keeper.begin(streams, now_ns)
-        self.parameters.begin(self._autopilot, now_ns)
+        self.stream_manager.begin(streams, now_ns)
+        self.autopilot_settings.begin(self._autopilot, now_ns)
 
     def arrived(self, message_id: int) -> bool:
         """Count a message of the vehicle; True when it is worth decoding."""
-        self.keeper.arrived(message_id)
+        self.stream_manager.arrived(message_id)
         return message_id == self._candidate_id or message_id not in self._imu_ids
 
     def imu_taken(self, message: str, now_ns: int) -> bool:
         """A sample of this inertial message was decoded; True when it is the one in use."""
         return self._choice is not None and self._choice.take(message, now_ns)
 
-    def poll(self, now_ns: int) -> list[Order]:
+    def poll(self, now_ns: int) -> list[StreamRequest]:
         """The requests that are due; to be called only while the vehicle is there to answer them."""
         self._choose_imu(now_ns)
-        return self.keeper.poll(now_ns)
+        return self.stream_manager.poll(now_ns)
 
     @property
     def next_deadline_ns(self) -> int | None:
         """When ``poll``, here or of the parameters, is due: 0 is at once, None never."""
         choice_ns = None if self._choice is None else self._choice.next_deadline_ns
-        deadlines = [choice_ns, self.keeper.next_deadline_ns, self.parameters.next_deadline_ns]
+        deadlines = [choice_ns, self.stream_manager.next_deadline_ns, self.autopilot_settings.next_deadline_ns]
         return min([due_ns for due_ns in deadlines if due_ns is not None], default=None)
 
     def _choose_imu(self, now_ns: int) -> None:
@@ -140,8 +140,8 @@ class VehicleData:
             self._notebook.warning(f"{used} has stopped; choosing an inertial message again")
         elif choice.candidate != before:
             self._notebook.info(f"{before} does not come; trying {choice.candidate}")
-        self.keeper.drop(self._candidate_id)
-        self.keeper.want(self._imu_stream(choice.candidate), now_ns)
+        self.stream_manager.drop(self._candidate_id)
+        self.stream_manager.want(self._imu_stream(choice.candidate), now_ns)
 
     def _imu_stream(self, message: str) -> Stream:
         self._candidate_id = self._dialect.id_of(message)

@@ -270,4 +270,4 @@ def test_any_frame_of_the_dialect_is_survived(dialect):
         packed = sound.pack(mavlink.MAVLink(None, srcSystem=1, srcComponent=1))
         companion.handle(0, Frame(0, 1, 1, 0, 2, False, packed[6:-2], 0), 0)
     companion.poll(0)
-    assert companion.lock_on.vehicle is not None
+    assert companion.discovery.vehicle is not None

@@ -3,7 +3,7 @@
 import pytest
 
 from attest_mav.mavlink.component.stream import Stream
-from attest_mav.mavlink.component.streams import StreamKeeper
+from attest_mav.mavlink.component.streams import StreamManager
 
 SECOND = 1_000_000_000
 TICK = 10_000_000
@@ -19,151 +19,151 @@ class Autopilot:
         self.silent = silent
         self.ceiling_hz = ceiling_hz
         self.hz = {IMU: start_hz, ATTITUDE: start_hz}
-        self.orders = []
+        self.requests = []
         self._due = dict.fromkeys(self.hz, 0.0)
 
-    def run(self, keeper, from_s, to_s):
+    def run(self, manager, from_s, to_s):
         for tick in range(round(from_s * 100), round(to_s * 100)):
             now_ns = tick * TICK
             for message, hz in self.hz.items():
                 self._due[message] += hz / 100.0
                 while self._due[message] >= 1.0:
                     self._due[message] -= 1.0
-                    keeper.arrived(message)
-            for order in keeper.poll(now_ns):
-                self._take(order, keeper, now_ns)
+                    manager.arrived(message)
+            for request in manager.poll(now_ns):
+                self._take(request, manager, now_ns)
 
-    def _take(self, order, keeper, now_ns):
-        self.orders.append((round(now_ns / SECOND, 2), order))
-        if order.group >= 0:
-            self.hz = dict.fromkeys(self.hz, min(order.hz, self.ceiling_hz))
+    def _take(self, request, manager, now_ns):
+        self.requests.append((round(now_ns / SECOND, 2), request))
+        if request.group >= 0:
+            self.hz = dict.fromkeys(self.hz, min(request.hz, self.ceiling_hz))
         elif not self.silent:
             if self.result == ACCEPTED:
-                self.hz[order.message_id] = min(order.hz, self.ceiling_hz)
-            keeper.acknowledged(self.result, now_ns)
+                self.hz[request.message_id] = min(request.hz, self.ceiling_hz)
+            manager.acknowledged(self.result, now_ns)
 
 
 @pytest.fixture
-def keeper(notebook):
-    keeper = StreamKeeper(True, notebook)
-    keeper.begin([Stream(IMU, "RAW_IMU", 50.0, 1), Stream(ATTITUDE, "ATTITUDE", 10.0, 10)], 0)
-    return keeper
+def manager(notebook):
+    manager = StreamManager(True, notebook)
+    manager.begin([Stream(IMU, "RAW_IMU", 50.0, 1), Stream(ATTITUDE, "ATTITUDE", 10.0, 10)], 0)
+    return manager
 
 
 def texts(notebook):
     return [note.text for note in notebook.take()]
 
 
-def test_a_good_autopilot_is_asked_once_for_each(keeper, notebook):
+def test_a_good_autopilot_is_asked_once_for_each(manager, notebook):
     autopilot = Autopilot()
-    autopilot.run(keeper, 0, 60)
-    assert [(order.message_id, order.interval_us, order.group) for _, order in autopilot.orders] == [
+    autopilot.run(manager, 0, 60)
+    assert [(request.message_id, request.interval_us, request.group) for _, request in autopilot.requests] == [
         (IMU, 20_000, -1),
         (ATTITUDE, 100_000, -1),
     ]
-    assert [stream.answer for stream in keeper.streams] == ["accepted", "accepted"]
-    assert keeper.streams[0].achieved_hz == pytest.approx(50.0, abs=0.6)
+    assert [stream.answer for stream in manager.streams] == ["accepted", "accepted"]
+    assert manager.streams[0].achieved_hz == pytest.approx(50.0, abs=0.6)
     assert texts(notebook) == []
 
 
-def test_one_request_at_a_time(keeper):
+def test_one_request_at_a_time(manager):
     """COMMAND_ACK does not say which message it is about."""
-    assert [order.message_id for order in keeper.poll(0)] == [IMU]
-    assert keeper.poll(SECOND // 2) == []
-    keeper.acknowledged(ACCEPTED, SECOND // 2)
-    assert [order.message_id for order in keeper.poll(SECOND // 2)] == [ATTITUDE]
+    assert [request.message_id for request in manager.poll(0)] == [IMU]
+    assert manager.poll(SECOND // 2) == []
+    manager.acknowledged(ACCEPTED, SECOND // 2)
+    assert [request.message_id for request in manager.poll(SECOND // 2)] == [ATTITUDE]
 
 
-def test_no_answer_raises_the_confirmation_and_then_asks_for_the_group(keeper, notebook):
+def test_no_answer_raises_the_confirmation_and_then_asks_for_the_group(manager, notebook):
     autopilot = Autopilot(silent=True)
-    autopilot.run(keeper, 0, 8)
-    sent = [(order.message_id, order.confirmation, order.group) for _, order in autopilot.orders]
+    autopilot.run(manager, 0, 8)
+    sent = [(request.message_id, request.confirmation, request.group) for _, request in autopilot.requests]
     assert sent[:3] == [(IMU, 0, -1), (IMU, 1, -1), (IMU, 2, -1)]
     assert (IMU, 0, 1) in sent
     assert (ATTITUDE, 0, 10) in sent
     assert "RAW_IMU at 50 Hz: no answer to 3 requests" in texts(notebook)
-    assert keeper.streams[0].answer == "no answer, asked by stream group"
+    assert manager.streams[0].answer == "no answer, asked by stream group"
 
 
 def test_unsupported_falls_back_to_the_group_and_denied_does_not(notebook):
     for result, groups in ((UNSUPPORTED, [1]), (DENIED, [])):
-        keeper = StreamKeeper(True, notebook)
-        keeper.begin([Stream(IMU, "RAW_IMU", 50.0, 1)], 0)
+        manager = StreamManager(True, notebook)
+        manager.begin([Stream(IMU, "RAW_IMU", 50.0, 1)], 0)
         autopilot = Autopilot(result=result)
-        autopilot.run(keeper, 0, 30)
-        assert [order.group for _, order in autopilot.orders if order.group >= 0] == groups
-        assert keeper.streams[0].refused == (result == DENIED)
+        autopilot.run(manager, 0, 30)
+        assert [request.group for _, request in autopilot.requests if request.group >= 0] == groups
+        assert manager.streams[0].refused == (result == DENIED)
 
 
 def test_temporarily_rejected_is_asked_again(notebook):
-    keeper = StreamKeeper(True, notebook)
-    keeper.begin([Stream(IMU, "RAW_IMU", 50.0, 1)], 0)
+    manager = StreamManager(True, notebook)
+    manager.begin([Stream(IMU, "RAW_IMU", 50.0, 1)], 0)
     autopilot = Autopilot(result=TEMPORARILY_REJECTED)
-    autopilot.run(keeper, 0, 4)
+    autopilot.run(manager, 0, 4)
     autopilot.result = ACCEPTED
-    autopilot.run(keeper, 4, 30)
-    assert keeper.streams[0].answer == "accepted"
-    assert keeper.streams[0].achieved_hz == pytest.approx(50.0, abs=0.6)
+    autopilot.run(manager, 4, 30)
+    assert manager.streams[0].answer == "accepted"
+    assert manager.streams[0].achieved_hz == pytest.approx(50.0, abs=0.6)
 
 
-def test_a_rate_that_is_overridden_is_asked_for_again_with_back_off_and_the_suspect_named(keeper, notebook):
+def test_a_rate_that_is_overridden_is_asked_for_again_with_back_off_and_the_suspect_named(manager, notebook):
     autopilot = Autopilot()
-    autopilot.run(keeper, 0, 10)
+    autopilot.run(manager, 0, 10)
     for t_s in range(10, 200, 2):  # a ground station that insists on 4 Hz
         autopilot.hz[IMU] = 4.0
-        keeper.overheard("system 255", t_s * SECOND)
-        autopilot.run(keeper, t_s, t_s + 2)
-    times = [t_s for t_s, order in autopilot.orders if order.message_id == IMU]
+        manager.overheard("system 255", t_s * SECOND)
+        autopilot.run(manager, t_s, t_s + 2)
+    times = [t_s for t_s, request in autopilot.requests if request.message_id == IMU]
     assert 4 <= len(times) <= 9, "asked again, but not all the time"
     assert times[-1] - times[-2] > 30.0
     assert any("RAW_IMU arrives at" in text and "system 255 also asks" in text for text in texts(notebook))
 
 
 def test_a_ceiling_is_recognised_and_left_alone(notebook):
-    keeper = StreamKeeper(True, notebook)
-    keeper.begin([Stream(IMU, "RAW_IMU", 100.0, 1)], 0)
+    manager = StreamManager(True, notebook)
+    manager.begin([Stream(IMU, "RAW_IMU", 100.0, 1)], 0)
     autopilot = Autopilot(ceiling_hz=40.0)
-    autopilot.run(keeper, 0, 120)
-    assert len(autopilot.orders) == 2, "asked, and asked once more"
-    assert keeper.streams[0].ceiling_hz == pytest.approx(40.0, abs=1.0)
+    autopilot.run(manager, 0, 120)
+    assert len(autopilot.requests) == 2, "asked, and asked once more"
+    assert manager.streams[0].ceiling_hz == pytest.approx(40.0, abs=1.0)
     assert texts(notebook)[-1] == "RAW_IMU: 40.0 Hz is all that the autopilot gives"
 
 
 def test_a_ceiling_that_is_exceeded_was_none(notebook):
     """ArduPilot's streams run four times slower while parameters are fetched."""
-    keeper = StreamKeeper(True, notebook)
-    keeper.begin([Stream(IMU, "RAW_IMU", 50.0, 1)], 0)
+    manager = StreamManager(True, notebook)
+    manager.begin([Stream(IMU, "RAW_IMU", 50.0, 1)], 0)
     autopilot = Autopilot(ceiling_hz=12.5)
-    autopilot.run(keeper, 0, 30)
-    assert keeper.streams[0].ceiling_hz > 0.0
+    autopilot.run(manager, 0, 30)
+    assert manager.streams[0].ceiling_hz > 0.0
     autopilot.hz[IMU] = 50.0
-    autopilot.run(keeper, 30, 40)
-    assert keeper.streams[0].ceiling_hz == 0.0
+    autopilot.run(manager, 30, 40)
+    assert manager.streams[0].ceiling_hz == 0.0
 
 
 def test_who_does_not_ask_only_measures(notebook):
-    keeper = StreamKeeper(False, notebook)
-    keeper.begin([Stream(IMU, "RAW_IMU", 50.0, 1)], 0)
+    manager = StreamManager(False, notebook)
+    manager.begin([Stream(IMU, "RAW_IMU", 50.0, 1)], 0)
     autopilot = Autopilot(start_hz=10.0)
-    autopilot.run(keeper, 0, 60)
-    assert autopilot.orders == []
-    assert keeper.streams[0].achieved_hz == pytest.approx(10.0, abs=0.6)
+    autopilot.run(manager, 0, 60)
+    assert autopilot.requests == []
+    assert manager.streams[0].achieved_hz == pytest.approx(10.0, abs=0.6)
 
 
 def test_a_stray_acknowledgement_changes_nothing(notebook):
-    keeper = StreamKeeper(True, notebook)
-    keeper.acknowledged(DENIED, 0)
-    keeper.begin([Stream(IMU, "RAW_IMU", 50.0, 1)], 0)
-    keeper.acknowledged(DENIED, 0)
-    assert not keeper.streams[0].refused
-    keeper.poll(0)
-    keeper.acknowledged(200, 0)
-    assert keeper.streams[0].answer == "result 200"
+    manager = StreamManager(True, notebook)
+    manager.acknowledged(DENIED, 0)
+    manager.begin([Stream(IMU, "RAW_IMU", 50.0, 1)], 0)
+    manager.acknowledged(DENIED, 0)
+    assert not manager.streams[0].refused
+    manager.poll(0)
+    manager.acknowledged(200, 0)
+    assert manager.streams[0].answer == "result 200"
 
 
-def test_the_deadline_is_when_something_happens(keeper):
-    assert keeper.next_deadline_ns == 0
-    keeper.poll(0)
-    due_ns = keeper.next_deadline_ns
-    assert keeper.poll(due_ns - 1) == []
-    assert len(keeper.poll(due_ns)) == 1
+def test_the_deadline_is_when_something_happens(manager):
+    assert manager.next_deadline_ns == 0
+    manager.poll(0)
+    due_ns = manager.next_deadline_ns
+    assert manager.poll(due_ns - 1) == []
+    assert len(manager.poll(due_ns)) == 1
