@@ -109,6 +109,17 @@ class Dialect:
         for layout in layouts:
             self.mirrored_extras[layout.message_id] = MIRROR[layout.crc_extra]
 
+    def flags(self, wanted: frozenset[int] | None) -> bytes:
+        """One byte for each message id: 1 where it is wanted. None wants all; ids beyond the dialect are ignored."""
+        size = len(self.mirrored_extras)
+        if wanted is None:
+            return b"\1" * size
+        flags = bytearray(size)
+        for message_id in wanted:
+            if message_id < size:
+                flags[message_id] = 1
+        return bytes(flags)
+
     def layout(self, name: str) -> Layout:
         """The message called ``name``. Raises KeyError."""
         return self.by_name[name]

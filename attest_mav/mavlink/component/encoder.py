@@ -3,14 +3,14 @@
 The layouts come from the dialect; a message that is sent often is packed through one ready structure.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from struct import Struct
 from typing import Any, Final
 
 from attest_mav.mavlink.constants import MAV_CMD_SET_MESSAGE_INTERVAL, MAVLINK_VERSION
 from attest_mav.mavlink.dialect import Dialect, Layout
 from attest_mav.mavlink.wire.checksum import with_checksum
-from attest_mav.mavlink.wire.frame import MAGIC_V2
+from attest_mav.mavlink.wire.frame import MAGIC_V2, SIGNED
 from attest_mav.types import Quat, Vec3
 
 STATUSTEXT_BYTES: Final = 50
@@ -19,16 +19,23 @@ NAME_BYTES: Final = 10
 _HEADER: Final = Struct("<BBBBBBBHB")
 """Magic, payload length, incompatibility and compatibility flags, sequence, sender, and the id in three bytes."""
 
+Signer = Callable[[bytes], bytes]
+"""The 13 bytes of signature behind a frame, which is given from its magic to its checksum."""
+
 COVARIANCE_UNKNOWN: Final[tuple[float, ...]] = (float("nan"),) * 9
 
 
 class Encoder:
-    """Frames of one sender. Values that do not fit their field raise struct.error: a bug of the caller."""
+    """Frames of one sender. Values that do not fit their field raise struct.error: a bug of the caller.
 
-    def __init__(self, dialect: Dialect, system: int, component: int) -> None:
+    signer: signs every frame; None leaves them unsigned.
+    """
+
+    def __init__(self, dialect: Dialect, system: int, component: int, signer: Signer | None = None) -> None:
         self.dialect: Final = dialect
         self.system: Final = system
         self.component: Final = component
+        self.signer: Final = signer
         self._sequence = 0
         self._heartbeat: Final = dialect.layout("HEARTBEAT").pick(
             "custom_mode", "type", "autopilot", "base_mode", "system_status", "mavlink_version"
@@ -127,7 +134,10 @@ class Encoder:
         sequence = self._sequence
         self._sequence = (sequence + 1) & 0xFF
         mid = layout.message_id
+        signer = self.signer
+        flags = 0 if signer is None else SIGNED
         header = _HEADER.pack(
-            MAGIC_V2, len(payload), 0, 0, sequence, self.system, self.component, mid & 0xFFFF, mid >> 16
+            MAGIC_V2, len(payload), flags, 0, sequence, self.system, self.component, mid & 0xFFFF, mid >> 16
         )
-        return with_checksum(header + payload, layout.crc_extra)
+        frame = with_checksum(header + payload, layout.crc_extra)
+        return frame if signer is None else frame + signer(frame)

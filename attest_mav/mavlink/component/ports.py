@@ -110,7 +110,7 @@ class Port:
     def rename(self, system: int) -> None:
         """Speak under another system id from now on."""
         if system != self.encoder.system:
-            self.encoder = Encoder(self._dialect, system, self.encoder.component)
+            self.encoder = Encoder(self._dialect, system, self.encoder.component, self.encoder.signer)
 
     def heartbeat(self, state: int) -> None:
         """HEARTBEAT with this MAV_STATE."""

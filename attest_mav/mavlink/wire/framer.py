@@ -10,7 +10,7 @@ from mypy_extensions import i64
 
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
-from attest_mav.mavlink.wire.walker import Walker
+from attest_mav.mavlink.wire.walker import AcceptanceCheck, Walker
 
 __all__ = ["Frame", "Framer"]
 
@@ -18,12 +18,12 @@ __all__ = ["Frame", "Framer"]
 class Framer(Walker):
     """Takes bytes cut anywhere.
 
-    wanted: the ids to return; None for all. The rest is checked and counted, and costs little. The counters are those
-    of Walker.
+    wanted: the ids to return; None for all. The rest is checked and counted, and costs little. accepts: an optional
+    check of each wanted frame, such as of its signature. The counters are those of Walker.
     """
 
-    def __init__(self, dialect: Dialect, wanted: frozenset[int] | None) -> None:
-        super().__init__(dialect, wanted, 0)
+    def __init__(self, dialect: Dialect, wanted: frozenset[int] | None, accepts: AcceptanceCheck | None = None) -> None:
+        super().__init__(dialect, wanted, 0, accepts)
         self._pending = b""
         self._rx_ns: i64 = 0
 

@@ -15,9 +15,10 @@ Theory of operation
     with at most two more of its kind between. Everything else with an unknown id is searched like garbage.
 
     Frames with an incompatibility flag other than "signed" cannot be understood and are no frames. A signature is
-    recognised by its length, not verified.
+    recognised by its length; an optional acceptance check may verify it in the bytes of each wanted frame.
 """
 
+from collections.abc import Callable
 from typing import Final
 
 from mypy_extensions import i64
@@ -43,6 +44,8 @@ BAD_CRC: Final = -3
 
 MAX_UNKNOWN_RUN: Final = 3
 """So many frames with unknown ids in a row can vouch for each other."""
+AcceptanceCheck = Callable[[bytes], bool]
+"""Whether an intact frame, given from its magic to the end of its signature, may be used."""
 
 
 class Walker:
@@ -50,20 +53,25 @@ class Walker:
 
     Counters over everything walked: frames (intact, wanted or not), bad_bytes (in no frame), bad_crc (candidates with
     a known id whose checksum does not fit), unknown (frames with unknown ids passed over), lost (frames missing by
-    their senders' sequence numbers; late and repeated frames are not counted).
+    their senders' sequence numbers; late and repeated frames are not counted), refused (wanted frames that the
+    acceptance check did not accept: they are not returned, nor followed by their sequence numbers).
     """
 
-    def __init__(self, dialect: Dialect, wanted: frozenset[int] | None, lead: int) -> None:
+    def __init__(
+        self, dialect: Dialect, wanted: frozenset[int] | None, lead: int, accepts: AcceptanceCheck | None = None
+    ) -> None:
         self.dialect: Final = dialect
         self.wanted: Final = wanted
         self.frames: i64 = 0
         self.bad_bytes: i64 = 0
         self.bad_crc: i64 = 0
         self.unknown: i64 = 0
+        self.refused: i64 = 0
+        self._accepts: Final = accepts
         self._lead: i64 = lead
         self._extras: Final = dialect.mirrored_extras
         self._ids: i64 = len(dialect.mirrored_extras)
-        self._is_wanted: Final = _flags(wanted, len(dialect.mirrored_extras))
+        self._is_wanted: Final = dialect.flags(wanted)
         self._sequences: Final = Sequences()
         self._data = b""
         self._mirror = b""
@@ -177,6 +185,11 @@ class Walker:
         message_id = message_id_at(data, at)
         sender = at + (5 if data[at] == MAGIC_V2 else 3)
         self.frames += 1
+        accepts = self._accepts
+        if accepts is not None and self._is_wanted[message_id] and not accepts(data[at : at + size]):
+            self.refused += 1
+            self._pass(size)
+            return
         self._sequences.follow(data[sender], data[sender + 1], data[sender - 1])
         if self._is_wanted[message_id]:
             length: i64 = data[at + 1]
@@ -236,14 +249,3 @@ class Walker:
         self._base += self._done
         self._place -= self._done
         self._done = 0
-
-
-def _flags(wanted: frozenset[int] | None, size: int) -> bytes:
-    """One byte for each message id: 1 where it is wanted."""
-    if wanted is None:
-        return b"\1" * size
-    flags = bytearray(size)
-    for message_id in wanted:
-        if message_id < size:
-            flags[message_id] = 1
-    return bytes(flags)

@@ -4,7 +4,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from attest_mav.mavlink.component.ports import PortSettings, Schedule
+from attest_mav.mavlink.component.encoder import Encoder
+from attest_mav.mavlink.component.ports import Port, PortSettings, Schedule
 
 SECOND = 1_000_000_000
 BOTH = PortSettings(attitude=True, covariance=True)
@@ -126,3 +127,12 @@ def onboard_heartbeat(vehicle_type=18):
     from pymavlink.dialects.v20 import ardupilotmega as mavlink  # noqa: PLC0415
 
     return mavlink.MAVLink_heartbeat_message(vehicle_type, 8, 0, 0, 4, 3)
+
+
+def test_another_system_id_keeps_the_signer(dialect, notebook):
+    port = Port(dialect, "link", PortSettings(), 1, 193, 20.0, notebook)
+    port.encoder = Encoder(dialect, 1, 193, signer=lambda _: bytes(13))
+    port.rename(7)
+    port.heartbeat(4)
+    (frame,) = port.take()
+    assert (frame[2], frame[5], frame[-13:]) == (1, 7, bytes(13))

@@ -302,3 +302,44 @@ def test_garbage_without_end_is_counted_while_it_comes_and_not_kept(dialect):
     for _ in range(50):
         framer.feed(b"no frame in here" * 64, 0)
     assert framer.bad_bytes == 50 * 1024
+
+
+class Bouncer:
+    """An acceptance check that refuses frames with these sequence numbers, and keeps the bytes it was shown."""
+
+    def __init__(self, refused):
+        self.refused = refused
+        self.shown = []
+
+    def __call__(self, frame):
+        self.shown.append(frame)
+        return frame[4] not in self.refused
+
+
+@pytest.mark.parametrize("crumb", [1, 7, 10_000])
+def test_a_frame_that_is_not_accepted_is_counted_and_not_returned(dialect, make_sender, messages, crumb):
+    sender = make_sender(1, 1)
+    raws = [sender.pack(message, "signed") for message in messages]
+    stream = b"".join(raws)
+    bouncer = Bouncer({1, 4})
+    framer = Framer(dialect, None, bouncer)
+    frames = [frame for at in range(0, len(stream), crumb) for frame in framer.feed(stream[at : at + crumb], 0)]
+    assert bouncer.shown == raws, "the whole frame, from its magic to the end of its signature"
+    assert rebuilt(stream, frames) == [raw for number, raw in enumerate(raws) if number not in {1, 4}]
+    assert (framer.frames, framer.refused, framer.bad_bytes) == (len(raws), 2, 0)
+
+
+def test_a_refused_frame_spoils_no_count_of_missing_ones(dialect, make_sender, messages):
+    true, forger = make_sender(1, 1), make_sender(1, 1)
+    forger.mav.seq = 90
+    stream = true.pack(messages[0]) + forger.pack(messages[0]) + true.pack(messages[0])
+    assert len(Framer(dialect, None).feed(stream, 0)) == 3
+    framer = Framer(dialect, None, Bouncer({90}))
+    assert len(framer.feed(stream, 0)) == 2
+    assert framer.lost == 0
+
+
+def test_only_wanted_frames_are_checked_for_acceptance(dialect, sender, messages):
+    bouncer = Bouncer(set())
+    Framer(dialect, frozenset({27}), bouncer).feed(b"".join(sender.pack(message) for message in messages), 0)
+    assert [frame[7] for frame in bouncer.shown] == [27]
