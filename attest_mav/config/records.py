@@ -15,6 +15,7 @@ from attest_mav.config.filters import FilterConfig
 from attest_mav.config.link_url import parse_link
 from attest_mav.config.text import check_keys, check_no_nan, readable
 from attest_mav.errors import ConfigError, UsageError
+from attest_mav.mavlink.component.outputs import OUTPUTS
 from attest_mav.mavlink.constants import INERTIAL_MESSAGES, MAV_COMP_ID_AUTOPILOT1, MAV_COMP_ID_MISSIONPLANNER
 
 SystemId = Annotated[int, Meta(ge=0, le=255)]
@@ -26,11 +27,12 @@ SpeedSource = Literal[
     "auto", "airspeed", "groundspeed", "GPS_RAW_INT", "GLOBAL_POSITION_INT", "LOCAL_POSITION_NED", "none"
 ]
 VelocitySource = Literal["GPS_RAW_INT", "GLOBAL_POSITION_INT", "LOCAL_POSITION_NED", "none"]
-Output = Literal["attitude_quaternion", "attitude_quaternion_cov", "named_values"]
 if TYPE_CHECKING:  # a type checker knows no choice among names that are listed elsewhere
     ImuMessage = str
+    OutputName = str
 else:
     ImuMessage = Literal[INERTIAL_MESSAGES]
+    OutputName = Literal[tuple(output.name for output in OUTPUTS)]
 
 TAKEN_COMPONENTS = {MAV_COMP_ID_AUTOPILOT1: "the autopilot", MAV_COMP_ID_MISSIONPLANNER: "ground stations"}
 TAKEN_SYSTEMS = {255: "ground stations"}
@@ -64,7 +66,7 @@ class LinkConfig(_Record, frozen=True):
 
     url: str
     """See ``parse_link``."""
-    publish: tuple[Output, ...] = ("attitude_quaternion",)
+    publish: tuple[OutputName, ...] = ("attitude_quaternion",)
     """The outputs on this link."""
     yield_to_onboard: bool = True
     """Hold ATTITUDE_QUATERNION back while another onboard computer of the vehicle is heard on the link."""

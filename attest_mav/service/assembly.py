@@ -47,12 +47,7 @@ def companion_settings(config: Config) -> CompanionSettings:
 
 def port_settings(link: LinkConfig) -> PortSettings:
     """The outputs of one link."""
-    return PortSettings(
-        attitude="attitude_quaternion" in link.publish,
-        covariance="attitude_quaternion_cov" in link.publish,
-        named_values="named_values" in link.publish,
-        yields=link.yield_to_onboard,
-    )
+    return PortSettings(link.publish, link.yield_to_onboard)
 
 
 def raw_scales(raw_imu: RawImuConfig) -> RawScales | None:

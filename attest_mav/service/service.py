@@ -175,7 +175,7 @@ class Service:
         self._vehicle.settings = facts_of_firmware(self._sender[2])
         self._vehicle.field = before.field  # the place is the same until a position says otherwise
         self._pipeline = self._standing = None
-        self._companion.tell_verdict(nan, nan, nan)
+        self._companion.set_verdict(nan, nan, nan)
 
     def _begin_pipeline(self, source: str) -> None:
         """Run the filter on another inertial message; the record of the vehicle goes on."""
@@ -204,7 +204,7 @@ class Service:
 
     def _take_verdict(self, verdict: Verdict) -> None:
         """Pass the verdict on; leave a note when it changes."""
-        self._companion.tell_verdict(_VERDICT_CODES[verdict.agreement], verdict.tilt, verdict.heading)
+        self._companion.set_verdict(_VERDICT_CODES[verdict.agreement], verdict.tilt, verdict.heading)
         before = self._standing
         if before is not None and before.verdict.agreement == verdict.agreement:
             self._standing = VerdictStanding(verdict, before.since_ns)

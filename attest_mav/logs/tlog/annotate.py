@@ -6,7 +6,7 @@ from typing import Final
 from attest_mav.logs.source import ByteSink
 from attest_mav.logs.tlog.reader import tlog_record
 from attest_mav.mavlink.component.encoder import Encoder
-from attest_mav.mavlink.component.ports import boot_ms, is_sound
+from attest_mav.mavlink.component.outputs import boot_ms, is_sound
 from attest_mav.types import Estimate
 
 OUR_COMPONENT: Final = 193

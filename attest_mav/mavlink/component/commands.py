@@ -3,7 +3,8 @@
 from math import isfinite
 from typing import Final
 
-from attest_mav.mavlink.component.ports import ATTITUDE_QUATERNION, ATTITUDE_QUATERNION_COV, Port, Schedule
+from attest_mav.mavlink.component.outputs import Publication
+from attest_mav.mavlink.component.ports import Port
 from attest_mav.mavlink.constants import (
     MAV_CMD_REQUEST_MESSAGE,
     MAV_CMD_SET_MESSAGE_INTERVAL,
@@ -11,12 +12,12 @@ from attest_mav.mavlink.constants import (
     MAV_RESULT_DENIED,
     MAV_RESULT_TEMPORARILY_REJECTED,
     MAV_RESULT_UNSUPPORTED,
+    MAVLINK_MSG_ID_HEARTBEAT,
 )
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.framer import Frame
-from attest_mav.types import Estimate
 
-HEARTBEAT: Final = 0
+NO_MESSAGE: Final = -1
 
 
 class Command:
@@ -50,14 +51,14 @@ class CommandReader:
         return Command(frame.system, frame.component, target_system, target_component, number, param1, param2)
 
 
-def answer(command: Command, port: Port, estimate: Estimate | None, state: int) -> None:
+def answer(command: Command, port: Port, publication: Publication | None, state: int) -> None:
     """Carry out a command that is addressed to us and acknowledge it on the link it came from.
 
-    One that we do not know is refused only when it is meant for us alone: a command to all components is not for us
-    to refuse, since whoever sent it would take our answer for the autopilot's.
+    An unknown command is refused only when it is addressed to this component alone: the sender of a command to all
+    components would take our refusal for the autopilot's.
     """
     if command.number == MAV_CMD_REQUEST_MESSAGE:
-        result = _request_message(command.param1, port, estimate, state)
+        result = _request_message(command.param1, port, publication, state)
     elif command.number == MAV_CMD_SET_MESSAGE_INTERVAL:
         result = _set_interval(command.param1, command.param2, port)
     else:
@@ -67,29 +68,23 @@ def answer(command: Command, port: Port, estimate: Estimate | None, state: int) 
     port.put(port.encoder.command_ack(command.number, result, command.system, command.component))
 
 
-def _request_message(message: float, port: Port, estimate: Estimate | None, state: int) -> int:
+def _request_message(message: float, port: Port, publication: Publication | None, state: int) -> int:
     """Send one message now."""
-    if message == HEARTBEAT:
+    message_id = _message_id(message)
+    if message_id == MAVLINK_MSG_ID_HEARTBEAT:
         port.heartbeat(state)
         return MAV_RESULT_ACCEPTED
-    if message not in {ATTITUDE_QUATERNION, ATTITUDE_QUATERNION_COV}:
+    if port.schedule_of(message_id) is None:
         return MAV_RESULT_UNSUPPORTED
-    if estimate is None:
+    if publication is None:
         return MAV_RESULT_TEMPORARILY_REJECTED
-    if message == ATTITUDE_QUATERNION:
-        port.put_attitude(estimate)
-    else:
-        port.put_covariance(estimate)
+    port.put_output(message_id, publication)
     return MAV_RESULT_ACCEPTED
 
 
 def _set_interval(message: float, interval_us: float, port: Port) -> int:
-    """Set the rate of what this link carries: -1 stops it, 0 is the default, else the interval in microseconds."""
-    schedule: Schedule | None = None
-    if message == ATTITUDE_QUATERNION:
-        schedule = port.attitude
-    elif message == ATTITUDE_QUATERNION_COV:
-        schedule = port.covariance
+    """Set the interval of an output on this link, us: -1 stops it, 0 is the default."""
+    schedule = port.schedule_of(_message_id(message))
     if schedule is None:
         return MAV_RESULT_UNSUPPORTED
     if not isfinite(interval_us) or abs(interval_us) > 1e9:
@@ -101,3 +96,8 @@ def _set_interval(message: float, interval_us: float, port: Port) -> int:
     else:
         schedule.period_ns = int(1000.0 * interval_us)
     return MAV_RESULT_ACCEPTED
+
+
+def _message_id(parameter: float) -> int:
+    """The message id that a command carries as a float; NO_MESSAGE for a number that is none."""
+    return int(parameter) if parameter.is_integer() else NO_MESSAGE

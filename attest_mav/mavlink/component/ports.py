@@ -1,40 +1,32 @@
-"""What leaves on one link: the heartbeat, our outputs, answers and requests, with one run of sequence numbers."""
+"""The sending side of one link: heartbeat, outputs, answers and requests, with one run of sequence numbers."""
 
 from dataclasses import dataclass
-from math import isfinite
 from typing import Final
 
-from attest_mav.algebra import is_finite, norm, q_norm
-from attest_mav.mavlink.component.encoder import COVARIANCE_UNKNOWN, Encoder
+from attest_mav.mavlink.component.encoder import Encoder
 from attest_mav.mavlink.component.notes import Notebook
+from attest_mav.mavlink.component.outputs import OUTPUTS, Output, Publication, is_sound
 from attest_mav.mavlink.component.stream import StreamRequest
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_INVALID, MAV_TYPE_ONBOARD_CONTROLLER
 from attest_mav.mavlink.dialect import Dialect
-from attest_mav.types import Estimate
-
-ATTITUDE_QUATERNION: Final = 31
-ATTITUDE_QUATERNION_COV: Final = 61
 
 ONBOARD_SILENCE_NS: Final = 5_000_000_000
 """An onboard computer that has not been heard for this long is gone."""
 REMEMBERED_HEARTBEATS: Final = 16
 """An echo of a heartbeat comes back before this many more are sent, or it is no echo."""
-MAX_RATE: Final = 1e4
-"""rad/s: a rate beyond this is no rate, and a float of 32 bits could not hold any double."""
 
 
 @dataclass(frozen=True)
 class PortSettings:
-    """What one link carries.
+    """The outputs of one link."""
 
-    attitude, covariance: ATTITUDE_QUATERNION and ATTITUDE_QUATERNION_COV. named_values: ATT_TILT, ATT_YAW, ATT_OK.
-    yields: ATTITUDE_QUATERNION is held back while another onboard computer of the vehicle is heard on the link.
-    """
-
-    attitude: bool = True
-    covariance: bool = False
-    named_values: bool = False
+    publish: tuple[str, ...] = ("attitude_quaternion",)
+    """Names of the outputs that are sent without being requested."""
     yields: bool = True
+    """Outputs that can be taken for the autopilot's own are held back while another onboard computer of the vehicle is
+    heard on the link."""
+    outputs: tuple[Output, ...] = OUTPUTS
+    """All outputs that can be published or requested."""
 
 
 class Schedule:
@@ -57,6 +49,14 @@ class Schedule:
         return True
 
 
+class Channel:
+    """One output on one link."""
+
+    def __init__(self, output: Output, schedule: Schedule) -> None:
+        self.output: Final = output
+        self.schedule: Final = schedule
+
+
 class Port:
     """The sending side of one link. ``take`` fetches the frames that are to be written."""
 
@@ -74,17 +74,24 @@ class Port:
         self.settings: Final = settings
         self.encoder = Encoder(dialect, system, component)
         self.attitudes_sent = 0
-        """ATTITUDE_QUATERNION and ATTITUDE_QUATERNION_COV frames so far."""
-        period_ns = int(1e9 / hz)
-        self.attitude: Final = Schedule(period_ns if settings.attitude else -1)
-        self.covariance: Final = Schedule(period_ns if settings.covariance else -1)
+        """Frames of outputs that carry estimates so far."""
+        self._channels: Final[dict[int, Channel]] = {
+            dialect.id_of(output.message): Channel(output, _schedule(output, settings, hz))
+            for output in settings.outputs
+            if not output.with_heartbeat
+        }
+        published = [output for output in settings.outputs if output.name in settings.publish]
+        self._beside_heartbeat: Final = [output for output in published if output.with_heartbeat]
+        misleading = [output for output in published if output.misleads]
+        self._misleading: Final = ", ".join([output.message for output in misleading])
+        self._misled: Final = ", ".join([output.misleads for output in misleading])
         self._dialect: Final = dialect
         self._notes: Final = notes
         self._out: list[bytes] = []
         self._heartbeats: list[int] = []
         self._onboard_heard_ns = -ONBOARD_SILENCE_NS
         self.held = False
-        """ATTITUDE_QUATERNION is held back at present."""
+        """Outputs that can be taken for the autopilot's own are held back at present."""
 
     def take(self) -> list[bytes]:
         """The frames to write, oldest first; each is handed out once."""
@@ -125,59 +132,45 @@ class Port:
         return sequence in self._heartbeats
 
     def onboard_heard(self, component: int, now_ns: int) -> None:
-        """Another onboard computer of the vehicle speaks here: it may take our attitude for the autopilot's."""
+        """Another onboard computer of the vehicle is heard: it may take our attitude for the autopilot's."""
         self._onboard_heard_ns = now_ns
-        if self.settings.attitude and self.settings.yields and not self.held:
+        if self._misleading and self.settings.yields and not self.held:
             self.held = True
             self._notes.warning(
-                f"{self.name}: ATTITUDE_QUATERNION is held back: component {component} is an onboard computer too "
-                "(MAVROS and MAVSDK would take ours for the autopilot's); see yield_to_onboard"
+                f"{self.name}: {self._misleading} is held back: component {component} is an onboard computer too "
+                f"({self._misled} would take ours for the autopilot's); see yield_to_onboard"
             )
 
-    def publish(self, estimate: Estimate, now_ns: int) -> None:
+    def publish(self, publication: Publication, now_ns: int) -> None:
         """Send the estimate in the forms and at the rates of this link."""
         if self.held and now_ns - self._onboard_heard_ns >= ONBOARD_SILENCE_NS:
             self.held = False
-            self._notes.info(f"{self.name}: the other onboard computer is gone; ATTITUDE_QUATERNION is sent again")
-        if not self.held and self.attitude.due(estimate.t_ns):
-            self.put_attitude(estimate)
-        if self.covariance.due(estimate.t_ns):
-            self.put_covariance(estimate)
+            self._notes.info(f"{self.name}: the other onboard computer is gone; {self._misleading} is sent again")
+        for channel in self._channels.values():
+            if not (self.held and channel.output.misleads) and channel.schedule.due(publication.estimate.t_ns):
+                self._put_output(channel.output, publication)
 
-    def put_attitude(self, estimate: Estimate) -> None:
-        """ATTITUDE_QUATERNION with the time of the IMU sample, unless the estimate is none."""
-        if is_sound(estimate):
-            self.attitudes_sent += 1
-            self.put(self.encoder.attitude_quaternion(boot_ms(estimate.t_ns), estimate.q_nb, estimate.rates))
+    def publish_beside_heartbeat(self, publication: Publication) -> None:
+        """Send the outputs of this link that go with the heartbeat."""
+        for output in self._beside_heartbeat:
+            self._out += output.frames(self.encoder, publication)
 
-    def put_covariance(self, estimate: Estimate) -> None:
-        """ATTITUDE_QUATERNION_COV; the covariance is marked unknown where the filter has none."""
-        if not is_sound(estimate):
-            return
-        tilt, heading = estimate.tilt_sigma, estimate.heading_sigma
-        covariance = COVARIANCE_UNKNOWN
-        if isfinite(tilt) and isfinite(heading):
-            covariance = (tilt * tilt, 0.0, 0.0, 0.0, tilt * tilt, 0.0, 0.0, 0.0, heading * heading)
-        self.attitudes_sent += 1
-        self.put(self.encoder.attitude_quaternion_cov(estimate.t_ns // 1000, estimate.q_nb, estimate.rates, covariance))
+    def schedule_of(self, message_id: int) -> Schedule | None:
+        """The schedule of an output, whether it is published here or not; None for other messages."""
+        channel = self._channels.get(message_id)
+        return None if channel is None else channel.schedule
 
-    def put_verdict(self, t_ns: int, ok: float, tilt_deg: float, heading_deg: float) -> None:
-        """The verdict as named values, which ArduPilot writes into its own log. Unknown differences are left out."""
-        if not self.settings.named_values:
-            return
-        time = boot_ms(t_ns)
-        self.put(self.encoder.named_value_float(time, "ATT_OK", ok))
-        if isfinite(tilt_deg):
-            self.put(self.encoder.named_value_float(time, "ATT_TILT", tilt_deg))
-        if isfinite(heading_deg):
-            self.put(self.encoder.named_value_float(time, "ATT_YAW", heading_deg))
+    def put_output(self, message_id: int, publication: Publication) -> None:
+        """Send an output now that has a schedule."""
+        self._put_output(self._channels[message_id].output, publication)
+
+    def _put_output(self, output: Output, publication: Publication) -> None:
+        if is_sound(publication.estimate):
+            frames = output.frames(self.encoder, publication)
+            self.attitudes_sent += len(frames)
+            self._out += frames
 
 
-def boot_ms(t_ns: int) -> int:
-    """Milliseconds of the autopilot's clock as 32 bits hold them."""
-    return (t_ns // 1_000_000) & 0xFFFFFFFF
-
-
-def is_sound(estimate: Estimate) -> bool:
-    """Whether it is a finite unit quaternion with finite rates: nothing else is ever sent."""
-    return abs(q_norm(estimate.q_nb) - 1.0) < 1e-3 and is_finite(estimate.rates) and norm(estimate.rates) < MAX_RATE
+def _schedule(output: Output, settings: PortSettings, hz: float) -> Schedule:
+    """The schedule of an output on a link whose attitude has the rate ``hz``; silent where it is not published."""
+    return Schedule(int(1e9 / (output.hz or hz)) if output.name in settings.publish else -1)

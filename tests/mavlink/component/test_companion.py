@@ -146,10 +146,10 @@ def test_echoes_of_our_own_are_ignored_silently_and_a_clash_is_said(bench):
     echo = mavlink.MAVLink_heartbeat_message(18, 8, 0, 0, 1, 3)
     assert not b.hear(echo, system=1, component=193, sequence=own.get_seq())
     assert not b.hear(raw_imu(), system=1, component=193)
-    assert b.companion.clashes == 0
+    assert b.companion.own_ids.clashes == 0
     for _ in range(3):
         b.hear(echo, system=1, component=193, sequence=200)
-    assert b.companion.clashes == 3
+    assert b.companion.own_ids.clashes == 3
     assert len([note for note in b.notes if "another component speaks as 1/193" in note]) == 1
 
 
@@ -181,9 +181,9 @@ def test_of_several_vehicles_the_named_one_is_used(bench):
 
 
 def test_the_verdict_goes_out_as_named_values_where_wanted(bench, estimate):
-    b = bench(links=[PortSettings(named_values=True), PortSettings()])
+    b = bench(links=[PortSettings(("attitude_quaternion", "named_values")), PortSettings()])
     b.publish(estimate(t_s=5.0))
-    b.companion.tell_verdict(1.0, 0.01, float("nan"))
+    b.companion.set_verdict(1.0, 0.01, float("nan"))
     b.run_until(2.5)
     values = {m.name: m.value for m in b.of_type("NAMED_VALUE_FLOAT")}
     assert values == {"ATT_OK": 1.0, "ATT_TILT": pytest.approx(0.573, abs=0.001)}
@@ -254,6 +254,28 @@ def test_an_autopilot_with_other_firmware_is_asked_for_what_suits_it(bench):
     b.run_until(10.1)
     assert b.interval_requests()[0][0] == SCALED_IMU
     assert b.interval_requests()[-1][0] == RAW_IMU
+
+
+def heard_by_a_made_up_handler(bench, answer):
+    """What a handler of TIMESYNC, which the companion does not have, was given."""
+    b = bench()
+    calls = []
+    timesync = mavlink.MAVLINK_MSG_ID_TIMESYNC
+
+    def handler(link, frame, now_ns):
+        calls.append((link, frame.system, frame.message_id, now_ns))
+        return answer
+
+    assert timesync not in b.companion.wanted
+    b.companion.handlers[timesync] = handler
+    assert timesync in b.companion.wanted, "the framers pass its message on"
+    b.now_ns = 5
+    return b.hear(mavlink.MAVLink_timesync_message(0, 1), system=9), calls
+
+
+@pytest.mark.parametrize("answer", [True, False])
+def test_a_handler_in_the_table_gets_its_message_and_says_whether_it_is_data(bench, answer):
+    assert heard_by_a_made_up_handler(bench, answer) == (answer, [(0, 9, mavlink.MAVLINK_MSG_ID_TIMESYNC, 5)])
 
 
 def test_any_frame_of_the_dialect_is_survived(dialect):

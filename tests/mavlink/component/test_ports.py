@@ -3,12 +3,14 @@ import math
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from attest_mav.mavlink.component.encoder import Encoder
+from attest_mav.mavlink.component.outputs import OUTPUTS, Output
 from attest_mav.mavlink.component.ports import Port, PortSettings, Schedule
 
 SECOND = 1_000_000_000
-BOTH = PortSettings(attitude=True, covariance=True)
+BOTH = PortSettings(("attitude_quaternion", "attitude_quaternion_cov"))
 
 
 def test_the_attitude_carries_the_sample_time_and_the_rates(bench, estimate):
@@ -49,7 +51,7 @@ def test_what_is_no_attitude_is_never_sent(bench, estimate, bad):
 
 
 def test_the_covariance_is_filled_where_it_is_known_and_marked_unknown_where_not(bench, estimate):
-    b = bench(links=[PortSettings(attitude=False, covariance=True)])
+    b = bench(links=[PortSettings(("attitude_quaternion_cov",))])
     b.publish(estimate(t_s=1.0))
     b.publish(estimate(t_s=2.0, sigma=0.1))
     unknown, known = b.of_type("ATTITUDE_QUATERNION_COV")
@@ -60,7 +62,7 @@ def test_the_covariance_is_filled_where_it_is_known_and_marked_unknown_where_not
 
 
 def test_each_link_carries_what_it_is_told_to(bench, estimate):
-    b = bench(links=[PortSettings(), PortSettings(attitude=False), BOTH])
+    b = bench(links=[PortSettings(), PortSettings(()), BOTH])
     b.publish(estimate())
     assert [len(sent) for sent in b.sent] == [1, 0, 2]
 
@@ -123,9 +125,63 @@ def test_a_ground_station_or_another_system_holds_nothing_back(bench, estimate):
     assert len(b.of_type("ATTITUDE_QUATERNION")) == 1
 
 
-def onboard_heartbeat(vehicle_type=18):
-    from pymavlink.dialects.v20 import ardupilotmega as mavlink  # noqa: PLC0415
+def made_up_frames(encoder, publication):
+    """An output that the package does not have: time of the estimate and the verdict, in a DEBUG message."""
+    return [encoder.message("DEBUG", {"time_boot_ms": publication.estimate.t_ns // 1_000_000, "ind": 7})]
 
+
+def made_up(**changes):
+    output = Output("made_up", "DEBUG", made_up_frames, **changes)
+    return PortSettings(("made_up",), outputs=(*OUTPUTS, output))
+
+
+def fly(b, estimate, seconds=10):
+    """Estimates at 50 Hz."""
+    for number in range(50 * seconds):
+        b.run_until(number / 50)
+        b.publish(estimate(t_s=number / 50))
+
+
+@pytest.mark.parametrize(("hz", "expected"), [(2.0, 20), (0.0, 200)])
+def test_an_entry_is_all_that_a_new_output_needs_to_be_sent_at_its_rate(bench, estimate, hz, expected):
+    b = bench(links=[made_up(hz=hz), PortSettings()])
+    fly(b, estimate)
+    messages = b.of_type("DEBUG")
+    assert len(messages) == pytest.approx(expected, abs=1)
+    assert messages[-1].time_boot_ms > 9_000
+    assert b.of_type("DEBUG", 1) == []
+    assert b.of_type("ATTITUDE_QUATERNION") == [], "it was not published there"
+
+
+def test_a_new_output_beside_the_heartbeat_is_sent_with_it(bench, estimate):
+    b = bench(links=[made_up(with_heartbeat=True)])
+    fly(b, estimate)
+    assert len(b.of_type("DEBUG")) == len(b.of_type("HEARTBEAT")) - 1, "there was no estimate at the first one"
+
+
+def test_a_new_output_can_be_requested_and_retimed(bench, estimate):
+    b = bench(links=[PortSettings((), outputs=made_up().outputs)])
+    fly(b, estimate, 1)
+    assert b.of_type("DEBUG") == []
+    for command, value in ((512, 0), (511, 500_000)):
+        message = mavlink.MAVLink_command_long_message(1, 193, command, 0, 254, value, 0, 0, 0, 0, 0)
+        b.hear(message, system=255, component=190)
+    assert [ack.result for ack in b.of_type("COMMAND_ACK")] == [0, 0]
+    assert len(b.of_type("DEBUG")) == 1
+    fly(b, estimate)
+    assert len(b.of_type("DEBUG")) == pytest.approx(1 + 20, abs=1)
+
+
+def test_a_new_output_that_misleads_yields(bench, estimate):
+    b = bench(links=[made_up(misleads="some program")])
+    b.vehicle_heartbeat()
+    b.hear(onboard_heartbeat(), system=1, component=191)
+    b.publish(estimate())
+    assert b.of_type("DEBUG") == []
+    assert any("DEBUG is held back" in note and "some program would take ours" in note for note in b.notes)
+
+
+def onboard_heartbeat(vehicle_type=18):
     return mavlink.MAVLink_heartbeat_message(vehicle_type, 8, 0, 0, 4, 3)
 
 

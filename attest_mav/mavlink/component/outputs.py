@@ -1,0 +1,108 @@
+"""The messages that a link can carry besides the heartbeat: one entry of ``OUTPUTS`` each.
+
+A new output is a function that makes its frames, and an entry. The configuration's choice of names, the schedule of
+each link, and the answers to MAV_CMD_REQUEST_MESSAGE and MAV_CMD_SET_MESSAGE_INTERVAL follow from the entry.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import isfinite, isnan, nan
+from typing import Final
+
+from attest_mav.algebra import is_finite, norm, q_norm
+from attest_mav.mavlink.component.encoder import COVARIANCE_UNKNOWN, Encoder
+from attest_mav.types import Estimate
+
+MAX_RATE: Final = 1e4
+"""rad/s: a rate beyond this is no rate, and a float of 32 bits could not hold any double."""
+
+
+class PublishedVerdict:
+    """The verdict on the autopilot's attitude, as it is sent."""
+
+    def __init__(self, ok: float, tilt_deg: float, heading_deg: float) -> None:
+        self.ok: Final = ok
+        """1 agrees, 0 disagrees, -1 undecided; NaN: there is no verdict yet."""
+        self.tilt_deg: Final = tilt_deg
+        """Difference of tilt, degrees; NaN where unknown."""
+        self.heading_deg: Final = heading_deg
+        """Difference of heading, degrees; NaN where unknown."""
+
+
+NO_VERDICT: Final = PublishedVerdict(nan, nan, nan)
+
+
+class Publication:
+    """Everything that an output can tell."""
+
+    def __init__(self, estimate: Estimate, verdict: PublishedVerdict) -> None:
+        self.estimate: Final = estimate
+        """The newest estimate."""
+        self.verdict: Final = verdict
+        """The newest verdict, or NO_VERDICT."""
+
+
+@dataclass(frozen=True)
+class Output:
+    """One message that can be sent on a link."""
+
+    name: str
+    """Name under ``publish`` in the configuration."""
+    message: str
+    """Name of the message in the dialect."""
+    frames: Callable[[Encoder, Publication], list[bytes]]
+    """Makes the frames; called with sound estimates only, unless they are sent with the heartbeat."""
+    hz: float = 0.0
+    """Rate in the clock of the estimates until a peer sets another, Hz; 0 is the configured rate of the attitude."""
+    with_heartbeat: bool = False
+    """The frames go out beside each heartbeat instead, and can be neither requested nor retimed."""
+    misleads: str = ""
+    """Programs that take the message for the autopilot's own, "" for none: such an output can be held back."""
+
+
+def attitude_quaternion(encoder: Encoder, publication: Publication) -> list[bytes]:
+    """ATTITUDE_QUATERNION with the time of the inertial sample."""
+    estimate = publication.estimate
+    return [encoder.attitude_quaternion(boot_ms(estimate.t_ns), estimate.q_nb, estimate.rates)]
+
+
+def attitude_quaternion_cov(encoder: Encoder, publication: Publication) -> list[bytes]:
+    """ATTITUDE_QUATERNION_COV; the covariance is marked unknown where the filter has none."""
+    estimate = publication.estimate
+    tilt, heading = estimate.tilt_sigma, estimate.heading_sigma
+    covariance = COVARIANCE_UNKNOWN
+    if isfinite(tilt) and isfinite(heading):
+        covariance = (tilt * tilt, 0.0, 0.0, 0.0, tilt * tilt, 0.0, 0.0, 0.0, heading * heading)
+    return [encoder.attitude_quaternion_cov(estimate.t_ns // 1000, estimate.q_nb, estimate.rates, covariance)]
+
+
+def named_values(encoder: Encoder, publication: Publication) -> list[bytes]:
+    """The verdict as NAMED_VALUE_FLOAT; differences that are unknown are left out."""
+    verdict = publication.verdict
+    if isnan(verdict.ok):
+        return []
+    time = boot_ms(publication.estimate.t_ns)
+    frames = [encoder.named_value_float(time, "ATT_OK", verdict.ok)]
+    if isfinite(verdict.tilt_deg):
+        frames.append(encoder.named_value_float(time, "ATT_TILT", verdict.tilt_deg))
+    if isfinite(verdict.heading_deg):
+        frames.append(encoder.named_value_float(time, "ATT_YAW", verdict.heading_deg))
+    return frames
+
+
+OUTPUTS: Final = (
+    Output("attitude_quaternion", "ATTITUDE_QUATERNION", attitude_quaternion, misleads="MAVROS and MAVSDK"),
+    Output("attitude_quaternion_cov", "ATTITUDE_QUATERNION_COV", attitude_quaternion_cov),
+    Output("named_values", "NAMED_VALUE_FLOAT", named_values, with_heartbeat=True),
+)
+"""ArduPilot writes the named values into its own log; nobody uses ATTITUDE_QUATERNION_COV unasked."""
+
+
+def boot_ms(t_ns: int) -> int:
+    """Milliseconds of the autopilot's clock as 32 bits hold them."""
+    return (t_ns // 1_000_000) & 0xFFFFFFFF
+
+
+def is_sound(estimate: Estimate) -> bool:
+    """Whether it is a finite unit quaternion with finite rates: nothing else is ever sent."""
+    return abs(q_norm(estimate.q_nb) - 1.0) < 1e-3 and is_finite(estimate.rates) and norm(estimate.rates) < MAX_RATE
