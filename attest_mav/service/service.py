@@ -153,10 +153,11 @@ class Service:
         if isinstance(sample, ImuSample):
             if not self._companion.imu_taken(sample.source, now_ns):
                 return
-            self._samples += 1
-            self._sample_ns = now_ns
-            if self._pipeline is None or self._pipeline.primary != sample.source:
-                self._begin_pipeline(sample.source)
+            if sample.source == self._companion.data.primary_imu:
+                self._samples += 1
+                self._sample_ns = now_ns
+                if self._pipeline is None or self._pipeline.primary != sample.source:
+                    self._begin_pipeline(sample.source)
         elif isinstance(sample, PositionSample):
             self._vehicle.field = self._field_lookup.at(sample) or self._vehicle.field
         elif isinstance(sample, ParameterSample):

@@ -3,11 +3,13 @@
 import logging
 import math
 import re
+from functools import partial
 
 import pytest
 
 from attest_mav.estimation.events import Agreement
 from attest_mav.mavlink.component.encoder import Encoder
+from attest_mav.mavlink.component.vehicle_data import DataSettings
 from attest_mav.sim.settings import PERFECT, Faults, SimSettings
 
 SECOND = 1_000_000_000
@@ -79,6 +81,20 @@ def test_the_autopilot_decides_what_is_asked_for(flight, personality, message):
     stream = f.snapshot().inertial_stream
     assert (stream.name, stream.answer) == (message, "accepted")
     assert stream.achieved_hz == pytest.approx(50.0, abs=1.0)
+
+
+def test_a_further_inertial_message_leaves_the_primary_one_alone(flight, monkeypatch):
+    two = partial(DataSettings, further_imu_messages=("SCALED_IMU2",))
+    monkeypatch.setattr("attest_mav.service.assembly.DataSettings", two)
+    f = flight("", sim("hover"))
+    f.run_until(10.0)
+    seen = f.snapshot()
+    rates = {stream.name: stream.achieved_hz for stream in seen.streams}
+    assert rates["RAW_IMU"] == pytest.approx(50.0, abs=1.0)
+    assert rates["SCALED_IMU2"] == pytest.approx(50.0, abs=1.0)
+    assert seen.published_lane.source == "RAW_IMU"
+    assert seen.published_lane.estimate is not None
+    assert seen.samples == pytest.approx(500, abs=30), "the primary ones are counted"
 
 
 @pytest.mark.parametrize("scenario", ["hover", "coordinated-turns"])

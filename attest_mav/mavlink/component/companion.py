@@ -106,12 +106,12 @@ class Companion:
         """Ids of the messages that ``handle`` understands or passes on, for the framers."""
         return self.data.wanted | frozenset(self.handlers)
 
-    def imu_taken(self, message: str, now_ns: int) -> bool:
-        """A sample of this inertial message was decoded; True when it is the one in use."""
-        return self.data.imu_taken(message, now_ns)
+    def imu_taken(self, source: str, now_ns: int) -> bool:
+        """Take note of a decoded inertial sample from this source; True when it is in use."""
+        return self.data.imu_taken(source, now_ns)
 
     def parameter_taken(self, sample: ParameterSample) -> None:
-        """A parameter of the vehicle was decoded."""
+        """Take note of a decoded parameter of the vehicle."""
         self.data.autopilot_settings.received(sample)
 
     def publish(self, estimate: Estimate, now_ns: int) -> None:

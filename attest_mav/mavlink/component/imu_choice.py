@@ -1,23 +1,23 @@
-"""Which inertial message of the vehicle is used: the best one of a list that arrives and can be understood."""
+"""Chooses the primary inertial message: the best of a list of candidates that arrives and can be decoded."""
 
 from typing import Final
 
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_ARDUPILOTMEGA, MAV_AUTOPILOT_PX4
 
 PATIENCE_NS: Final = 3_000_000_000
-"""A message that was asked for and has given no sample by then gives way to the next. Five readings of a slow stream
-are needed to check its units."""
+"""A candidate that has given no sample after this time is replaced by the next. Checking its units takes five readings,
+also of a slow stream."""
 LONG_PATIENCE_NS: Final = 10_000_000_000
-"""The same once all have been tried in vain: nobody is asked in a hurry for ever."""
+"""The same time once all candidates have failed."""
 SILENCE_NS: Final = 3_000_000_000
-"""The chosen message has stopped: choose again."""
+"""The chosen message has stopped after this time, and the choice begins again."""
 
 
 def preferred_messages(autopilot: int) -> list[str]:
-    """The messages to try, best first, by MAV_AUTOPILOT.
+    """The candidates, best first, by MAV_AUTOPILOT.
 
-    ArduPilot's RAW_IMU is calibrated and has been there in every release. PX4's SCALED_IMU is free of PX4's own bias
-    estimates, which HIGHRES_IMU has subtracted. Of the others, HIGHRES_IMU leaves the least doubt about its units.
+    ArduPilot's RAW_IMU is calibrated and exists in every release. PX4's SCALED_IMU is free of PX4's own bias estimates,
+    which are subtracted in HIGHRES_IMU. On other autopilots the units of HIGHRES_IMU are the most certain ones.
     """
     if autopilot == MAV_AUTOPILOT_ARDUPILOTMEGA:
         return ["RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "HIGHRES_IMU"]
@@ -27,11 +27,11 @@ def preferred_messages(autopilot: int) -> list[str]:
 
 
 class ImuChoice:
-    """Tries the messages in order, round and round, until one gives samples; begins again when it stops."""
+    """Tries the candidates in order, repeatedly, until one gives samples; begins again when that one stops."""
 
     def __init__(self, messages: list[str], now_ns: int) -> None:
         self.chosen = ""
-        """The message in use, "" while there is none."""
+        """The candidate in use, "" while there is none."""
         self._messages: Final = messages
         self._index = 0
         self._due_ns = now_ns + PATIENCE_NS
@@ -39,11 +39,11 @@ class ImuChoice:
 
     @property
     def candidate(self) -> str:
-        """The message to ask for: the chosen one, or the one being tried."""
+        """The message to request: the chosen one, or the one being tried."""
         return self._messages[self._index]
 
     def take(self, message: str, now_ns: int) -> bool:
-        """A sample of this message was decoded; True when it is to be used."""
+        """Take note of a decoded sample of this message; True when it is the candidate, which is then chosen."""
         if message != self.candidate:
             return False
         self.chosen = message
@@ -51,7 +51,7 @@ class ImuChoice:
         return True
 
     def poll(self, refused: bool, now_ns: int) -> bool:
-        """Try the next message when this one is ``refused`` or does not come; True when it is time to ask again."""
+        """Try the next candidate when this one is ``refused`` or does not arrive; True when a request is due."""
         if self.chosen:
             if now_ns < self._due_ns:
                 return False

@@ -20,7 +20,7 @@ class Note:
 
 
 class Notebook:
-    """Where notes wait to be fetched."""
+    """Keeps notes until they are fetched."""
 
     def __init__(self) -> None:
         self.warnings = 0
@@ -32,16 +32,16 @@ class Notebook:
         self._notes: list[Note] = []
 
     def info(self, text: str) -> None:
-        """Something worth knowing."""
+        """Leave a note that needs no action."""
         self._add(Note(INFO, text))
 
     def warning(self, text: str) -> None:
-        """Something worth acting on."""
+        """Leave a note that a person should act on."""
         self.warnings += 1
         self._add(Note(WARNING, text))
 
     def error(self, text: str) -> None:
-        """Something that keeps the whole from working until someone acts on it."""
+        """Leave a note of a fault that stops the service until a person acts."""
         self.errors += 1
         self._add(Note(ERROR, text))
 

@@ -1,6 +1,7 @@
-"""What we want from the vehicle: one inertial message, the autopilot's own attitude, and what aids a filter.
+"""The data requested of the vehicle: inertial messages, the autopilot's attitude, aiding messages, and settings.
 
-What aids a filter are messages, and settings that are parameters of the autopilot.
+One inertial message is primary: the best candidate that gives samples. Further ones may be requested beside it. Every
+other inertial message is dropped before it is decoded.
 """
 
 from dataclasses import dataclass, field
@@ -25,32 +26,35 @@ from attest_mav.types import VehicleSettings
 
 OTHER_MESSAGES: Final = ("ATTITUDE", "ATTITUDE_QUATERNION", "GPS_RAW_INT", "VFR_HUD", "SYSTEM_TIME")
 POSITION_MESSAGES: Final = ("GLOBAL_POSITION_INT", "LOCAL_POSITION_NED")
-"""Come out of the autopilot's own filter: asked for only where the configuration wants them."""
+"""Results of the autopilot's own filter: requested only where the configuration names them."""
 
 
 @dataclass(frozen=True)
 class DataSettings:
-    """What is asked for.
-
-    asks: whether anything is asked for at all; restores: whether they are set back to the autopilot's defaults at the
-    end. imu_messages: in order of preference; empty goes by the autopilot. imu_hz, attitude_hz, aiding_hz: rates of
-    the inertial message, of ATTITUDE, and of GPS_RAW_INT and VFR_HUD. positions: which of ``POSITION_MESSAGES`` are
-    wanted besides, at the rate of the aiding ones. assumed: the vehicle's settings, of which those that are not NaN are
-    asked for.
-    """
+    """The messages and settings requested of the vehicle, and their rates."""
 
     asks: bool = True
+    """Whether anything is requested at all."""
     restores: bool = False
+    """Whether the rates are set back to the autopilot's defaults at the end."""
     imu_messages: tuple[str, ...] = ()
+    """Candidates for the primary inertial message, in order of preference; empty goes by the autopilot."""
+    further_imu_messages: tuple[str, ...] = ()
+    """Inertial messages that are requested and passed on besides the primary one: SCALED_IMU2 for a second sensor."""
     imu_hz: float = 50.0
+    """Rate of each inertial message, Hz."""
     attitude_hz: float = 10.0
+    """Rate of ATTITUDE, Hz."""
     aiding_hz: float = 5.0
+    """Rate of GPS_RAW_INT, VFR_HUD and the positions, Hz."""
     positions: tuple[str, ...] = ()
+    """Those of ``POSITION_MESSAGES`` that are requested."""
     default_settings: VehicleSettings = field(default_factory=VehicleSettings)
+    """The filter's own values of the vehicle's settings; those that are not NaN are requested."""
 
 
 class VehicleData:
-    """Asks for the messages, chooses among the inertial ones, and says which frames are worth decoding."""
+    """Requests the messages, chooses the primary inertial one, and says which frames are worth decoding."""
 
     def __init__(self, dialect: Dialect, settings: DataSettings, notebook: Notebook) -> None:
         self.stream_manager: Final = StreamManager(settings.asks, notebook)
@@ -59,25 +63,26 @@ class VehicleData:
         self._settings: Final = settings
         self._notebook: Final = notebook
         self._imu_ids: Final = frozenset([dialect.id_of(name) for name in INERTIAL_MESSAGES])
+        self._further_ids: Final = frozenset([dialect.id_of(name) for name in settings.further_imu_messages])
         others = [*OTHER_MESSAGES, *settings.positions]
         if self.autopilot_settings.wanted:
             others.append("PARAM_VALUE")
         self.wanted: Final = self._imu_ids | frozenset([dialect.id_of(name) for name in others])
-        """Ids of all that can be of use."""
+        """Ids of all messages that can be of use."""
         self._choice: ImuChoice | None = None
         self._candidate_id = -1
         self._autopilot = MAV_AUTOPILOT_INVALID
 
     @property
     def imu(self) -> Stream | None:
-        """The inertial message in use or being tried, None before there is a vehicle."""
+        """The stream of the primary inertial message, in use or being tried; None before there is a vehicle."""
         for stream in self.stream_manager.streams:
             if stream.message_id == self._candidate_id:
                 return stream
         return None
 
     def vehicle_found(self, autopilot: int, now_ns: int) -> None:
-        """There is a vehicle, for the first time or again: ask it for everything."""
+        """Request everything of a vehicle that was found, for the first time or again."""
         if self._choice is None:
             messages = list(self._settings.imu_messages) or preferred_messages(autopilot)
             self._choice = ImuChoice(messages, now_ns)
@@ -85,20 +90,20 @@ class VehicleData:
         self.begin(now_ns)
 
     def forget(self) -> None:
-        """The vehicle is no longer the one that was asked, or there is none."""
+        """Drop all requests: the vehicle is another one, or there is none."""
         self._choice = None
         self._candidate_id = -1
         self.stream_manager.forget()
         self.autopilot_settings.forget()
 
     def begin(self, now_ns: int) -> None:
-        """Ask for everything from the beginning."""
+        """Request everything from the beginning."""
         choice = self._choice
         if choice is None:
             return
         settings = self._settings
         streams = [
-            self._imu_stream(choice.candidate),
+            *self._imu_streams(choice.candidate),
             self._stream("ATTITUDE", settings.attitude_hz, MAV_DATA_STREAM_EXTRA1),
             self._stream("GPS_RAW_INT", settings.aiding_hz, MAV_DATA_STREAM_EXTENDED_STATUS),
             self._stream("VFR_HUD", settings.aiding_hz, MAV_DATA_STREAM_EXTRA2),
@@ -110,11 +115,20 @@ class VehicleData:
     def arrived(self, message_id: int) -> bool:
         """Count a message of the vehicle; True when it is worth decoding."""
         self.stream_manager.arrived(message_id)
-        return message_id == self._candidate_id or message_id not in self._imu_ids
+        if message_id == self._candidate_id or message_id not in self._imu_ids:
+            return True
+        return message_id in self._further_ids
 
-    def imu_taken(self, message: str, now_ns: int) -> bool:
-        """A sample of this inertial message was decoded; True when it is the one in use."""
-        return self._choice is not None and self._choice.take(message, now_ns)
+    def imu_taken(self, source: str, now_ns: int) -> bool:
+        """Take note of a decoded sample from this source (``RAW_IMU``, ``RAW_IMU#1``); True when it is in use."""
+        if self._choice is not None and self._choice.take(source, now_ns):
+            return True
+        return source.split("#", 1)[0] in self._settings.further_imu_messages
+
+    @property
+    def primary_imu(self) -> str:
+        """Source of the primary inertial samples, "" while there are none."""
+        return "" if self._choice is None else self._choice.chosen
 
     def poll(self, now_ns: int) -> list[StreamRequest]:
         """The requests that are due; to be called only while the vehicle is there to answer them."""
@@ -129,7 +143,7 @@ class VehicleData:
         return min([due_ns for due_ns in deadlines if due_ns is not None], default=None)
 
     def _choose_imu(self, now_ns: int) -> None:
-        """Go on to the next inertial message when this one is refused, does not come, or has stopped."""
+        """Go on to the next candidate when this one is refused, does not arrive, or has stopped."""
         choice, stream = self._choice, self.imu
         if choice is None:
             return
@@ -140,11 +154,19 @@ class VehicleData:
             self._notebook.warning(f"{used} has stopped; choosing an inertial message again")
         elif choice.candidate != before:
             self._notebook.info(f"{before} does not come; trying {choice.candidate}")
+        if self._candidate_id not in self._further_ids:
+            self.stream_manager.drop(self._candidate_id)
+        self._candidate_id = self._dialect.id_of(choice.candidate)
         self.stream_manager.drop(self._candidate_id)
         self.stream_manager.want(self._imu_stream(choice.candidate), now_ns)
 
+    def _imu_streams(self, primary: str) -> list[Stream]:
+        """The streams of the primary inertial message and of the further ones."""
+        self._candidate_id = self._dialect.id_of(primary)
+        further = [message for message in self._settings.further_imu_messages if message != primary]
+        return [self._imu_stream(message) for message in (primary, *further)]
+
     def _imu_stream(self, message: str) -> Stream:
-        self._candidate_id = self._dialect.id_of(message)
         return self._stream(message, self._settings.imu_hz, MAV_DATA_STREAM_RAW_SENSORS)
 
     def _stream(self, message: str, hz: float, group: int) -> Stream:
