@@ -4,8 +4,8 @@ from attest_mav.logs.source import LogSummary, VehicleId, VehicleSummary
 from attest_mav.logs.tlog.message_counter import key_parts
 from attest_mav.logs.tlog.roles import TLOG_ROLES, inertial_by_preference
 from attest_mav.logs.tlog.survey import Survey
+from attest_mav.mavlink.constants import MAV_AUTOPILOT_ARDUPILOTMEGA, MAV_AUTOPILOT_INVALID
 from attest_mav.mavlink.decode.autopilot_parameters import facts_of_firmware
-from attest_mav.mavlink.decode.units import ARDUPILOT, INVALID
 from attest_mav.mavlink.dialect import Dialect
 
 
@@ -37,7 +37,7 @@ def _vehicle(survey: Survey, vehicle: VehicleId, counts: dict[str, int]) -> Vehi
     system = vehicle[0]
     autopilot = survey.autopilots.get(system)
     parameters = tuple(survey.parameters.get(vehicle, {}).values())
-    settings = facts_of_firmware(INVALID if autopilot is None else autopilot)
+    settings = facts_of_firmware(MAV_AUTOPILOT_INVALID if autopilot is None else autopilot)
     for sample in parameters:
         settings = settings.updated(sample.setting, sample.value)
     return VehicleSummary(
@@ -45,7 +45,7 @@ def _vehicle(survey: Survey, vehicle: VehicleId, counts: dict[str, int]) -> Vehi
         is_autopilot=vehicle in survey.heartbeats,
         counts=counts,
         inertial=inertial_by_preference(autopilot),
-        in_simulator=autopilot == ARDUPILOT and any(name in counts for name in TLOG_ROLES.truth),
+        in_simulator=autopilot == MAV_AUTOPILOT_ARDUPILOTMEGA and any(name in counts for name in TLOG_ROLES.truth),
         position=survey.positions.get(system),
         velocity_lack="" if system in survey.velocities else _velocity_lack(counts),
         settings=settings,

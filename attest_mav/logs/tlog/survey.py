@@ -4,8 +4,8 @@ from typing import Final
 
 from attest_mav.logs.source import VehicleId
 from attest_mav.logs.tlog.message_counter import MessageCounter
+from attest_mav.mavlink.constants import MAV_AUTOPILOT_INVALID
 from attest_mav.mavlink.decode.decoder import Decoder
-from attest_mav.mavlink.decode.units import INVALID
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
 from attest_mav.types import HeartbeatSample, ParameterSample, PositionSample, VelocitySample
@@ -61,7 +61,7 @@ class Survey:
 
     def _take_heartbeat(self, frame: Frame) -> None:
         for sample in self._decoder.decode(frame):
-            if isinstance(sample, HeartbeatSample) and sample.autopilot != INVALID:
+            if isinstance(sample, HeartbeatSample) and sample.autopilot != MAV_AUTOPILOT_INVALID:
                 self.heartbeats[frame.system, frame.component] = frame
 
     def _take_parameter(self, frame: Frame) -> None:

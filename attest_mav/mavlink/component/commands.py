@@ -1,4 +1,4 @@
-"""Answers to commands that others send us: what we send can be asked for and have its rate set, nothing else."""
+"""Answers to commands of other components: our outputs can be requested and retimed; other commands are refused."""
 
 from math import isfinite
 from typing import Final
@@ -21,7 +21,7 @@ NO_MESSAGE: Final = -1
 
 
 class Command:
-    """A COMMAND_LONG or COMMAND_INT: who sent it to whom, and the two parameters that we understand."""
+    """A COMMAND_LONG or COMMAND_INT: its sender, its target, and the two parameters that are used."""
 
     def __init__(
         self, system: int, component: int, target_system: int, target_component: int, number: int, p1: float, p2: float
@@ -36,7 +36,7 @@ class Command:
 
 
 class CommandReader:
-    """Takes commands out of frames."""
+    """Reads commands from frames."""
 
     def __init__(self, dialect: Dialect) -> None:
         names = ("param1", "param2", "command", "target_system", "target_component")

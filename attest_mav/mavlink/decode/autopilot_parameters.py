@@ -1,10 +1,10 @@
-"""Parameters of autopilots that tell a setting of the vehicle (``Setting``): their names, units and sane values.
+"""Parameters of autopilots that carry a setting of the vehicle (``Setting``): their names, units and plausible values.
 
 ArduPilot sends every parameter as a float. PX4 sends an integer one bit by bit in the place of the float.
 
-PX4's IMU_GYRO_CUTOFF is left out: by PX4's own words it affects what goes to its controllers, not to its estimators,
-and the inertial messages carry what goes to the estimators: means over some milliseconds, with no low-pass to be made
-good.
+PX4's IMU_GYRO_CUTOFF is left out. By PX4's documentation it filters the input of the controllers, not that of the
+estimators. The inertial messages carry the input of the estimators: means over some milliseconds, without a low-pass
+that would need a correction.
 """
 
 from dataclasses import dataclass
@@ -22,8 +22,8 @@ from attest_mav.types import ParameterSample, Sample, Setting, VehicleSettings
 class Parameter:
     """One parameter. ``autopilot``: MAV_AUTOPILOT.
 
-    unit: of the setting, in one of the parameter's. low, high: what it can sanely be besides 0, in its own unit.
-    zero_is_default: 0 stands for a value that the autopilot knows and does not tell.
+    unit: one unit of the parameter in units of the setting. low, high: plausible range besides 0, in the parameter's
+    unit. zero_is_default: 0 stands for a value that the autopilot does not send.
     """
 
     name: str
@@ -35,7 +35,7 @@ class Parameter:
     zero_is_default: bool = False
 
     def value(self, number: float) -> float | None:
-        """The setting that this number means, NaN for the autopilot's default; None when it cannot be meant."""
+        """The setting for a number of the parameter: NaN for the autopilot's default, None for an implausible one."""
         if number == 0.0:
             return nan if self.zero_is_default else 0.0
         return number * self.unit if self.low <= number <= self.high else None
@@ -56,32 +56,32 @@ PARAMETERS: Final = (
 
 
 def facts_of_firmware(autopilot: int) -> VehicleSettings:
-    """What is known of every vehicle with this MAV_AUTOPILOT before it tells anything."""
+    """The settings that every vehicle with this MAV_AUTOPILOT has before it sends any."""
     return VehicleSettings(low_pass_hz=0.0) if autopilot == MAV_AUTOPILOT_PX4 else VehicleSettings()
 
 
 def names_of(setting: Setting, autopilot: int) -> list[str]:
-    """What an autopilot (MAV_AUTOPILOT) may call a setting; empty where it does not tell it."""
+    """The parameters in which an autopilot (MAV_AUTOPILOT) may send a setting; empty where it has none."""
     return [one.name for one in PARAMETERS if one.setting == setting and one.autopilot == autopilot]
 
 
 def parameter_bytes() -> frozenset[bytes]:
-    """All names as they stand in PARAM_VALUE, without the zeros behind them."""
+    """All names as PARAM_VALUE carries them, without the zeros behind them."""
     return frozenset([one.name.encode() for one in PARAMETERS])
 
 
 def quantity(setting: Setting) -> str:
-    """What the setting is, for people."""
+    """Name of the setting for people."""
     return "gyro low-pass" if setting == Setting.LOW_PASS_HZ else "GPS delay"
 
 
 def with_unit(setting: Setting, value: float) -> str:
-    """A value of the setting, for people."""
+    """A value of the setting with its unit, for people."""
     return f"{value:g} Hz" if setting == Setting.LOW_PASS_HZ else f"{value:g} s"
 
 
 class ParameterReader(Reader):
-    """PARAM_VALUE of the parameters above; all others give nothing."""
+    """PARAM_VALUE of the parameters above; other parameters give no sample."""
 
     def __init__(self, dialect: Dialect) -> None:
         super().__init__("PARAM_VALUE")

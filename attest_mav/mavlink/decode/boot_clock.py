@@ -1,7 +1,7 @@
-"""Times that a message may give as UNIX time or as time since boot: all become time since boot.
+"""Converts times that a message may give as UNIX time or as time since boot to time since boot.
 
-RAW_IMU, HIGHRES_IMU and GPS_RAW_INT may carry either, as the message set says; which one is told by size. What turns
-UNIX time into time since boot is SYSTEM_TIME, which carries both.
+RAW_IMU, HIGHRES_IMU and GPS_RAW_INT may carry either, by the definition of the message set; the size of the number
+tells them apart. SYSTEM_TIME carries both, and so gives the UNIX time of the boot.
 """
 
 from typing import Final
@@ -18,13 +18,13 @@ UNKNOWN: Final = -2
 
 
 class BootClock:
-    """When each system booted, in UNIX microseconds, as far as its SYSTEM_TIME has told."""
+    """The UNIX time at which each system booted, us, from its SYSTEM_TIME."""
 
     def __init__(self) -> None:
         self._booted_us: Final[dict[int, int]] = {}
 
     def learn(self, system: int, unix_us: int, boot_ms: int) -> None:
-        """Take one SYSTEM_TIME. A wall clock that is not set (before 2001) tells nothing."""
+        """Take one SYSTEM_TIME. A wall clock that is not set (before 2001) is ignored."""
         if not UNIX_US <= unix_us < LATEST_US:
             return
         booted_us = unix_us - 1000 * boot_ms
@@ -33,7 +33,7 @@ class BootClock:
             self._booted_us[system] = booted_us
 
     def since_boot_ns(self, system: int, time_us: int) -> int:
-        """Nanoseconds since boot of a message's time; IMPOSSIBLE, or UNKNOWN while no SYSTEM_TIME has told."""
+        """A message's time since boot, ns; IMPOSSIBLE, or UNKNOWN while the time of the boot is not known."""
         if time_us >= LATEST_US:
             return IMPOSSIBLE
         if time_us < UNIX_US:

@@ -1,7 +1,7 @@
 """Frames to samples: SI units, radians, body FRD and NED. All unit conversion of the package is here and below.
 
 What an inertial message means depends on the autopilot that sent it (``units``), so the inertial messages of a system
-are refused until a HEARTBEAT has told its MAV_AUTOPILOT. Refusals are results, not errors: counted, with a reason.
+are refused until a HEARTBEAT has given its MAV_AUTOPILOT. Refusals are results, not errors: counted, with a reason.
 """
 
 from typing import Final

@@ -2,6 +2,11 @@
 
 from typing import Final
 
+from attest_mav.mavlink.constants import (
+    HIGHRES_IMU_UPDATED_ACCEL,
+    HIGHRES_IMU_UPDATED_GYRO,
+    HIGHRES_IMU_UPDATED_MAG,
+)
 from attest_mav.mavlink.decode.boot_clock import BootClock, time_refusal
 from attest_mav.mavlink.decode.imu_source import ImuLane
 from attest_mav.mavlink.decode.readers import Reader
@@ -9,11 +14,6 @@ from attest_mav.mavlink.decode.units import RawScales, unit_row
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
 from attest_mav.types import Sample, Vec3
-
-UPDATED_ACCEL: Final = 0x007
-UPDATED_GYRO: Final = 0x038
-UPDATED_MAG: Final = 0x1C0
-"""Bits of HIGHRES_IMU.fields_updated; a group is new when all three of its bits are set."""
 
 
 class ImuReader(Reader):
@@ -51,9 +51,10 @@ class ImuReader(Reader):
         field_sent = True
         if self._has_updates:
             updated: int = values[10]
-            if updated & UPDATED_ACCEL != UPDATED_ACCEL or updated & UPDATED_GYRO != UPDATED_GYRO:
+            motion = HIGHRES_IMU_UPDATED_ACCEL | HIGHRES_IMU_UPDATED_GYRO
+            if updated & motion != motion:
                 return self.refuse(frame, "fields_updated says that accelerometer or gyro are not new")
-            field_sent = updated & UPDATED_MAG == UPDATED_MAG
+            field_sent = updated & HIGHRES_IMU_UPDATED_MAG == HIGHRES_IMU_UPDATED_MAG
         time: int = values[0]
         t_ns = self._boot_clock.since_boot_ns(frame.system, time) if self._in_us else 1_000_000 * time
         if t_ns < 0:

@@ -5,8 +5,14 @@ from math import cos, isfinite, nan, radians, sin
 from typing import Final
 
 from attest_mav.algebra import is_finite, q_from_euler, q_mul, q_norm, q_unit, rotate_back
+from attest_mav.mavlink.constants import (
+    GPS_FIX_TYPE_3D_FIX,
+    MAV_AUTOPILOT_INVALID,
+    MAV_COMP_ID_AUTOPILOT1,
+    MAV_MODE_FLAG_SAFETY_ARMED,
+    UINT16_MAX,
+)
 from attest_mav.mavlink.decode.boot_clock import BootClock, time_refusal
-from attest_mav.mavlink.decode.units import INVALID
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
 from attest_mav.types import (
@@ -27,18 +33,6 @@ from attest_mav.types import (
     VelocityOrigin,
     VelocitySample,
 )
-
-ARMED: Final = 128
-"""MAV_MODE_FLAG_SAFETY_ARMED in base_mode."""
-
-AUTOPILOT_COMPONENT: Final = 1
-"""MAV_COMP_ID_AUTOPILOT1."""
-
-FIX_3D: Final = 3
-"""GPS_FIX_TYPE_3D_FIX; everything above is better."""
-
-NOT_KNOWN_U16: Final = 65535
-"""What GPS_RAW_INT writes into a uint16 field it does not know."""
 
 NOT_KNOWN_U8: Final = 255
 """The same for a uint8 field."""
@@ -100,9 +94,11 @@ class HeartbeatReader(Reader):
     def read(self, frame: Frame) -> list[Sample]:
         """One HeartbeatSample."""
         vehicle_type, autopilot, base_mode, status = self._fields.unpack(frame.payload)
-        if autopilot != INVALID and (frame.component == AUTOPILOT_COMPONENT or frame.system not in self.autopilots):
+        if autopilot != MAV_AUTOPILOT_INVALID and (
+            frame.component == MAV_COMP_ID_AUTOPILOT1 or frame.system not in self.autopilots
+        ):
             self.autopilots[frame.system] = autopilot
-        armed = base_mode & ARMED != 0
+        armed = base_mode & MAV_MODE_FLAG_SAFETY_ARMED != 0
         return [
             HeartbeatSample(
                 self.name,
@@ -205,13 +201,13 @@ class GpsReader(Reader):
     def read(self, frame: Frame) -> list[Sample]:
         """A PositionSample and, where speed and course are known, a VelocitySample before it."""
         time, lat, lon, alt, eph, vel, cog, fix, satellites, vel_acc = self._fields.unpack(frame.payload)
-        if fix < FIX_3D:
+        if fix < GPS_FIX_TYPE_3D_FIX:
             return self.refuse(frame, f"no 3-D fix (fix type {fix})")
         t_ns = self._boot_clock.since_boot_ns(frame.system, time)
         if t_ns < 0:
             return self.refuse(frame, time_refusal(t_ns, time))
         samples: list[Sample] = []
-        if vel != NOT_KNOWN_U16 and (cog != NOT_KNOWN_U16 or vel == 0):
+        if vel != UINT16_MAX and (cog != UINT16_MAX or vel == 0):
             speed: float = vel * CENTI
             course = radians(cog * CENTI)
             v_ned = (speed * cos(course), speed * sin(course), 0.0)
@@ -241,7 +237,7 @@ def receiver_sigma(reported: float, eph: int, satellites: int) -> float | None:
 
     reported: vel_acc, m/s, 0 where it is not known. eph: dilution of precision times 100.
     """
-    hdop = eph * CENTI if eph != NOT_KNOWN_U16 else 0.0
+    hdop = eph * CENTI if eph != UINT16_MAX else 0.0
     few = satellites != NOT_KNOWN_U8 and 0 < satellites < FEW_SATELLITES
     poor = SIGMA_PER_HDOP * max(hdop, POOR_HDOP) if hdop > POOR_HDOP or few else 0.0
     sigma = max(reported, poor)

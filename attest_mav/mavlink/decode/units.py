@@ -7,14 +7,8 @@ the definitions do not tell, and that were seen (docs/mavlink.md).
 from dataclasses import dataclass
 from typing import Final
 
+from attest_mav.mavlink.constants import MAV_AUTOPILOT_ARDUPILOTMEGA, MAV_AUTOPILOT_PX4
 from attest_mav.types import G_MPS2
-
-ARDUPILOT: Final = 3
-"""MAV_AUTOPILOT_ARDUPILOTMEGA."""
-PX4: Final = 12
-"""MAV_AUTOPILOT_PX4."""
-INVALID: Final = 8
-"""MAV_AUTOPILOT_INVALID: a component that is no flight controller (camera, gimbal, ground station)."""
 
 MILLI_G: Final = 1e-3 * G_MPS2
 MILLI: Final = 1e-3
@@ -90,14 +84,20 @@ def unit_row(message: str, autopilot: int, raw_scales: RawScales | None) -> Unit
     raw_scales: what the configuration says about RAW_IMU; ArduPilot's needs none and takes none.
     """
     if message == "RAW_IMU":
-        if autopilot == ARDUPILOT:
+        if autopilot == MAV_AUTOPILOT_ARDUPILOTMEGA:
             return _RAW_ARDUPILOT
         if raw_scales is None:
             return None
         return UnitRow(raw_scales.accel, raw_scales.gyro, raw_scales.mag, integer=True, note="scaled as configured")
     if message == "HIGHRES_IMU":
-        return _HIGHRES_ARDUPILOT if autopilot == ARDUPILOT else _HIGHRES_PX4 if autopilot == PX4 else _HIGHRES
-    return _SCALED_PX4 if autopilot == PX4 else _SCALED
+        return (
+            _HIGHRES_ARDUPILOT
+            if autopilot == MAV_AUTOPILOT_ARDUPILOTMEGA
+            else _HIGHRES_PX4
+            if autopilot == MAV_AUTOPILOT_PX4
+            else _HIGHRES
+        )
+    return _SCALED_PX4 if autopilot == MAV_AUTOPILOT_PX4 else _SCALED
 
 
 class MagnitudeCheck:

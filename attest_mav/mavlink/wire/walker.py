@@ -53,8 +53,7 @@ class Walker:
 
     Counters over everything walked: frames (intact, wanted or not), bad_bytes (in no frame), bad_crc (candidates with
     a known id whose checksum does not fit), unknown (frames with unknown ids passed over), lost (frames missing by
-    their senders' sequence numbers; late and repeated frames are not counted), refused (wanted frames that the
-    acceptance check did not accept: they are not returned, nor followed by their sequence numbers).
+    their senders' sequence numbers; late and repeated ones are not), refused (by the acceptance check; not in lost).
     """
 
     def __init__(
