@@ -28,9 +28,7 @@ INCOMPLETE: Final = -1
 class Frame:
     """One intact frame.
 
-    payload: as it was on the wire, without the zeros that MAVLink 2 cuts off. version: 1 or 2. signed: it carries a
-    signature (not verified). rx_ns: when it arrived. offset, size: where its magic byte stands in all the bytes that
-    came in, and its length with header, checksum and signature.
+    The constructor has an argument for each field, positional, since the walker makes one for every wanted frame.
     """
 
     def __init__(
@@ -51,11 +49,17 @@ class Frame:
         self.component: Final = component
         self.sequence: Final = sequence
         self.version: Final = version
+        """1 or 2."""
         self.signed: Final = signed
+        """It carries a signature, verified only by an acceptance check of the walker."""
         self.payload: Final = payload
+        """As it was on the wire, without the zeros that MAVLink 2 cuts off."""
         self.rx_ns: Final = rx_ns
+        """Time of arrival, host clock."""
         self.offset: Final = offset
+        """Place of its magic byte in all the bytes that came in."""
         self.size: Final = size
+        """Length with header, checksum and signature, bytes."""
 
 
 def size_at(data: bytes, at: i64, end: i64) -> i64:
