@@ -10,8 +10,9 @@ INERTIAL_MESSAGES: Final = ("RAW_IMU", "SCALED_IMU", "HIGHRES_IMU", "SCALED_IMU2
 """The messages with gyro and accelerometer, in the order in which they are listed, and chosen from where nothing is
 known of the autopilot: the three of the first sensor, then those of the second and the third."""
 
+UINT8_MAX: Final = 255
 UINT16_MAX: Final = 65535
-"""Value of a uint16 field of GPS_RAW_INT that the sender does not know."""
+"""Values of the fields of GPS_RAW_INT that the sender does not know."""
 MAVLINK_VERSION: Final = 3
 """Value of HEARTBEAT.mavlink_version."""
 
@@ -56,6 +57,11 @@ MAV_STATE_STANDBY: Final = 3
 MAV_STATE_ACTIVE: Final = 4
 MAV_STATE_CRITICAL: Final = 5
 MAV_STATE_POWEROFF: Final = 7
+
+MAV_LANDED_STATE_ON_GROUND: Final = 1
+MAV_LANDED_STATE_IN_AIR: Final = 2
+MAV_LANDED_STATE_TAKEOFF: Final = 3
+MAV_LANDED_STATE_LANDING: Final = 4
 
 MAV_CMD_SET_MESSAGE_INTERVAL: Final = 511
 MAV_CMD_REQUEST_MESSAGE: Final = 512

@@ -6,7 +6,7 @@ from pymavlink.dialects.v20 import all as pymav
 from attest_mav.mavlink import constants
 from attest_mav.mavlink.wire import frame
 
-OWN = {"INERTIAL_MESSAGES", "UINT16_MAX", "MAVLINK_VERSION", "NO_DATA_STREAM"}
+OWN = {"INERTIAL_MESSAGES", "UINT8_MAX", "UINT16_MAX", "MAVLINK_VERSION", "NO_DATA_STREAM"}
 """Names that stand for no entry of an enum; tested below."""
 GROUPS = {f"HIGHRES_IMU_UPDATED_{sensor}": sensor for sensor in ("ACCEL", "GYRO", "MAG")}
 ENUM_NAMES = sorted(name for name in vars(constants) if name.isupper() and name not in OWN | set(GROUPS))
@@ -28,12 +28,15 @@ def test_a_group_of_updated_bits_is_its_three_axes(name):
     assert getattr(constants, name) == sum(bits)
 
 
-def test_what_gps_raw_int_does_not_know_is_the_largest_uint16():
+@pytest.mark.parametrize(
+    ("field", "marker", "bits"),
+    [("vel", "UINT16_MAX", 16), ("cog", "UINT16_MAX", 16), ("satellites_visible", "UINT8_MAX", 8)],
+)
+def test_a_field_of_gps_raw_int_that_is_not_known_holds_its_largest_number(field, marker, bits):
     said = pymav.MAVLink.gps_raw_int_encode.__doc__
-    for field in ("vel", "cog"):
-        (line,) = [line for line in said.splitlines() if line.strip().startswith(f"{field} ")]
-        assert "UINT16_MAX" in line
-    assert constants.UINT16_MAX == 2**16 - 1
+    (line,) = [line for line in said.splitlines() if line.strip().startswith(f"{field} ")]
+    assert marker in line
+    assert getattr(constants, marker) == 2**bits - 1
 
 
 def test_the_version_in_the_heartbeat_is_pymavlinks():

@@ -9,7 +9,12 @@ from attest_mav.mavlink.constants import (
     GPS_FIX_TYPE_3D_FIX,
     MAV_AUTOPILOT_INVALID,
     MAV_COMP_ID_AUTOPILOT1,
+    MAV_LANDED_STATE_IN_AIR,
+    MAV_LANDED_STATE_LANDING,
+    MAV_LANDED_STATE_ON_GROUND,
+    MAV_LANDED_STATE_TAKEOFF,
     MAV_MODE_FLAG_SAFETY_ARMED,
+    UINT8_MAX,
     UINT16_MAX,
 )
 from attest_mav.mavlink.decode.boot_clock import BootClock, time_refusal
@@ -34,9 +39,6 @@ from attest_mav.types import (
     VelocitySample,
 )
 
-NOT_KNOWN_U8: Final = 255
-"""The same for a uint8 field."""
-
 CENTI: Final = 1e-2
 MILLI: Final = 1e-3
 
@@ -46,7 +48,6 @@ FEW_SATELLITES: Final = 6
 SIGMA_PER_HDOP: Final = 0.4
 """m/s: uncertainty of such a velocity for each unit of the dilution."""
 
-
 KINDS: Final = {
     **dict.fromkeys((1, 19, 20, 21, 22, 23, 24, 25), VehicleKind.WING),
     **dict.fromkeys((2, 3, 4, 13, 14, 15, 29, 35, 43), VehicleKind.ROTARY),
@@ -54,11 +55,7 @@ KINDS: Final = {
 }
 """MAV_TYPE to how such a vehicle moves: aeroplanes and the VTOL kinds; copters; ground vehicles and surface boats."""
 
-
-LANDED_ON_GROUND: Final = 1
-"""MAV_LANDED_STATE_ON_GROUND."""
-LANDED_IN_AIR: Final = (2, 3, 4)
-"""MAV_LANDED_STATE: in the air, taking off, landing."""
+LANDED_IN_AIR: Final = (MAV_LANDED_STATE_IN_AIR, MAV_LANDED_STATE_TAKEOFF, MAV_LANDED_STATE_LANDING)
 
 
 class Reader:
@@ -238,7 +235,7 @@ def receiver_sigma(reported: float, eph: int, satellites: int) -> float | None:
     reported: vel_acc, m/s, 0 where it is not known. eph: dilution of precision times 100.
     """
     hdop = eph * CENTI if eph != UINT16_MAX else 0.0
-    few = satellites != NOT_KNOWN_U8 and 0 < satellites < FEW_SATELLITES
+    few = satellites != UINT8_MAX and 0 < satellites < FEW_SATELLITES
     poor = SIGMA_PER_HDOP * max(hdop, POOR_HDOP) if hdop > POOR_HDOP or few else 0.0
     sigma = max(reported, poor)
     return sigma if sigma > 0.0 else None
@@ -254,9 +251,9 @@ class LandedReader(Reader):
     def read(self, frame: Frame) -> list[Sample]:
         """One LandedSample."""
         (state,) = self._fields.unpack(frame.payload)
-        if state not in (LANDED_ON_GROUND, *LANDED_IN_AIR):
+        on_ground = state == MAV_LANDED_STATE_ON_GROUND
+        if not (on_ground or state in LANDED_IN_AIR):
             return []
-        on_ground = state == LANDED_ON_GROUND
         return [LandedSample(self.name, frame.system, frame.component, frame.rx_ns, on_ground)]
 
 
