@@ -28,8 +28,9 @@ from attest_mav.service.observation import (
     vehicle_snapshot,
 )
 from attest_mav.service.settings import ServiceSettings
-from attest_mav.service.snapshot import NO_TRAFFIC, NoteCounts, Snapshot, Traffic, VerdictStanding
+from attest_mav.service.snapshot import NO_TRAFFIC, NoteCounts, Snapshot, Traffic
 from attest_mav.service.status import verdict_text
+from attest_mav.service.verdict_history import VerdictHistory
 from attest_mav.types import EarthField, Estimate, ImuSample, ParameterSample, PositionSample, Sample
 
 REFUSALS_NS: Final = 1_000_000_000
@@ -65,7 +66,7 @@ class Service:
         self._vehicle.field = EarthField(settings.declination)
         self._field_lookup: Final = FieldLookup(find_field, settings.declination, self._notebook)
         self._pipeline: Pipeline | None = None
-        self._standing: VerdictStanding | None = None
+        self._verdicts = VerdictHistory()
         self._sender = self._companion.sender
         self._samples = 0
         self._stale_ns: Final = int(settings.pipeline.stale_s * 1e9)
@@ -145,7 +146,7 @@ class Service:
             refusals=refusals(decoder),
             samples=self._samples,
             lanes=lane_snapshots(self._pipeline),
-            verdict=self._standing,
+            verdict=self._verdicts.standing,
             notes=NoteCounts(self._notebook.warnings, self._notebook.errors, self._notebook.dropped),
         )
 
@@ -175,7 +176,8 @@ class Service:
         self._vehicle = Vehicle(self._settings.pipeline.aids)
         self._vehicle.settings = facts_of_firmware(self._sender[2])
         self._vehicle.field = before.field  # the place is the same until a position says otherwise
-        self._pipeline = self._standing = None
+        self._pipeline = None
+        self._verdicts = VerdictHistory()
         self._companion.set_verdict(nan, nan, nan)
 
     def _begin_pipeline(self, source: str) -> None:
@@ -206,19 +208,15 @@ class Service:
     def _take_verdict(self, verdict: Verdict) -> None:
         """Pass the verdict on; leave a note when it changes."""
         self._companion.set_verdict(_VERDICT_CODES[verdict.agreement], verdict.tilt, verdict.heading)
-        before = self._standing
-        if before is not None and before.verdict.agreement == verdict.agreement:
-            self._standing = VerdictStanding(verdict, before.since_ns)
-            return
-        self._standing = VerdictStanding(verdict, verdict.rx_ns)
-        note = self._notebook.warning if verdict.agreement == Agreement.DISAGREE else self._notebook.info
-        note(f"verdict: {verdict_text(verdict)}")
+        if self._verdicts.take(verdict):
+            note = self._notebook.warning if self._verdicts.disagrees else self._notebook.info
+            note(f"verdict: {verdict_text(verdict)}")
 
     def _state(self, now_ns: int) -> int:
         """MAV_STATE; a filter too uncertain for a verdict is still calibrating."""
         estimate = self.estimate
         if estimate is not None and self.fresh(now_ns):
-            if self._standing is not None and self._standing.verdict.agreement == Agreement.DISAGREE:
+            if self._verdicts.disagrees:
                 return MAV_STATE_CRITICAL
             unsure = estimate.tilt_sigma > self._settings.pipeline.verdict.max_sigma
             return MAV_STATE_CALIBRATING if unsure else MAV_STATE_ACTIVE

@@ -24,7 +24,14 @@ from attest_mav.mavlink.constants import (
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.types import VehicleSettings
 
-OTHER_MESSAGES: Final = ("ATTITUDE", "ATTITUDE_QUATERNION", "GPS_RAW_INT", "VFR_HUD", "SYSTEM_TIME")
+OTHER_MESSAGES: Final = (
+    "ATTITUDE",
+    "ATTITUDE_QUATERNION",
+    "GPS_RAW_INT",
+    "VFR_HUD",
+    "SYSTEM_TIME",
+    "EXTENDED_SYS_STATE",
+)
 POSITION_MESSAGES: Final = ("GLOBAL_POSITION_INT", "LOCAL_POSITION_NED")
 """Results of the autopilot's own filter: requested only where the configuration names them."""
 
