@@ -469,15 +469,25 @@ class ParameterSample(Sample):
     """PARAM_VALUE of a parameter that tells a setting. ``name`` is the autopilot's; PARAM_VALUE carries no time.
 
     value: in the unit of the setting, NaN where the autopilot leaves the setting to a default that it does not tell.
+    is_listed: it is part of a list of all parameters, and so no news; False for an answer and for a change.
     """
 
     def __init__(
-        self, source: str, system: int, component: int, rx_ns: int, name: str, setting: Setting, value: float
+        self,
+        source: str,
+        system: int,
+        component: int,
+        rx_ns: int,
+        name: str,
+        setting: Setting,
+        value: float,
+        is_listed: bool = False,
     ) -> None:
         super().__init__(source, system, component, NO_TIME, rx_ns)
         self.name: Final = name
         self.setting: Final = setting
         self.value: Final = value
+        self.is_listed: Final = is_listed
 
 
 class FirmwareSample(Sample):

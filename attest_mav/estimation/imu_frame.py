@@ -37,6 +37,8 @@ NO_PITCH_TRIM: Final = 1 << 8
 """Bit of FLIGHT_OPTIONS: the pitch trim is not taken off ATTITUDE."""
 SHOWN: Final = radians(0.05)
 """Smaller angles are not worth a note."""
+MAX_PAST: Final = 8
+"""Changes that are remembered for notes."""
 NO_TRIM: Final = (0.0, 0.0, 0.0)
 NO_EULER: Final = (0.0, 0.0, 0.0)
 """For the forms that need no angles."""
@@ -49,6 +51,10 @@ class _Removed:
         self.trim: Final = trim
         self.pitch_name: Final = pitch_name
         self.pitch: Final = pitch
+
+    def differs(self, other: "_Removed") -> bool:
+        """True for other angles."""
+        return self.trim != other.trim or self.pitch != other.pitch
 
     def text(self) -> str:
         """The angles for people, "" where there are none."""
@@ -65,17 +71,30 @@ class ImuFrame:
     """Turns attitudes into the frame of the IMU. ``vehicle``: tells its trims, now and later."""
 
     def __init__(self, vehicle: Vehicle) -> None:
-        self._removed: Final[dict[str, _Removed]] = {}
+        self._removed: Final[dict[str, list[_Removed]]] = {}
         self._obstacles: Final[dict[str, str]] = {}
         self._vehicle: Final = vehicle
         self._fit: Final = TrimFormFit()
 
     @property
     def notes(self) -> list[str]:
-        """A line for each message off which something is taken, or whose frame is not known, as it was last."""
-        texts = {source: removed.text() for source, removed in self._removed.items()}
+        """A line for each message off which something is taken at present, or whose frame is not known."""
+        texts = {source: past[-1].text() for source, past in self._removed.items()}
         taken = [f"{text} taken off {source}" for source, text in texts.items() if text]
-        return taken + [f"{source} is not compared: {reason}" for source, reason in self._obstacles.items() if reason]
+        return taken + self._obstacle_notes()
+
+    @property
+    def history(self) -> list[str]:
+        """The same for the whole time: all that was taken off."""
+        taken = []
+        for source, past in self._removed.items():
+            share = "" if len(past) == 1 else ", part of the time"
+            texts = dict.fromkeys([removed.text() for removed in past])
+            taken += [f"{text} taken off {source}{share}" for text in texts if text]
+        return taken + self._obstacle_notes()
+
+    def _obstacle_notes(self) -> list[str]:
+        return [f"{source} is not compared: {reason}" for source, reason in self._obstacles.items() if reason]
 
     def attitude(self, sample: AttitudeSample) -> AttitudeSample | None:
         """The sample with the attitude of the IMU, None where that cannot be known.
@@ -141,7 +160,10 @@ class ImuFrame:
         return self._known(sample, q_nb, _Removed(trim, "pitch trim", pitch), is_told)
 
     def _known(self, sample: AttitudeSample, q_nb: Quat, removed: _Removed, is_told: bool) -> AttitudeSample:
-        self._removed[sample.source] = removed
+        past = self._removed.setdefault(sample.source, [])
+        if not past or past[-1].differs(removed):
+            past.append(removed)
+            del past[:-MAX_PAST]
         self._obstacles[sample.source] = ""
         return sample.with_attitude(q_nb, is_told)
 

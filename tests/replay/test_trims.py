@@ -91,6 +91,11 @@ def test_a_trim_that_changes_in_flight_counts_from_its_parameter_on(log, dialect
     stand(log, 6000, 5.0, -4.0, -2.0)
     result = report(log.data, dialect)
     assert result["filters"][0]["tilt_deg"]["max"] < 0.02
+    tell_trim(log, (0.0, 0.0), t_ms=10999)
+    stand(log, 11000, 5.0, 0.0, 0.0)
+    result = report(log.data, dialect)
+    assert result["filters"][0]["tilt_deg"]["max"] < 0.02
+    assert trims_in(result["notes"]) == [TAKEN_OFF + "ATTITUDE, part of the time"]
 
 
 def test_truth_is_of_the_board_and_the_autopilot_is_not(log, dialect):

@@ -37,7 +37,7 @@ class Survey:
         self.parameters: Final[dict[VehicleId, dict[int, ParameterSample]]] = {}
         """The last parameter of each setting, by sender."""
         self.first_parameters: Final[dict[VehicleId, dict[int, ParameterSample]]] = {}
-        """The first one of each."""
+        """The first one of each, where it is part of a list: a change tells nothing of the time before."""
         self._decoder: Final = Decoder(dialect)
 
     @property
@@ -78,8 +78,10 @@ class Survey:
         for sample in self._decoder.decode(frame):
             if isinstance(sample, ParameterSample):
                 sender = (frame.system, frame.component)
-                self.first_parameters.setdefault(sender, {}).setdefault(sample.setting, sample)
-                self.parameters.setdefault(sender, {})[sample.setting] = sample
+                known = self.parameters.setdefault(sender, {})
+                if sample.is_listed and sample.setting not in known:
+                    self.first_parameters.setdefault(sender, {})[sample.setting] = sample
+                known[sample.setting] = sample
 
     def _take_firmware(self, frame: Frame) -> None:
         for sample in self._decoder.decode(frame):

@@ -13,7 +13,7 @@ from typing import Final
 
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_ARDUPILOTMEGA as ARDUPILOT
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_PX4 as PX4
-from attest_mav.mavlink.constants import MAV_PARAM_TYPE_INT32
+from attest_mav.mavlink.constants import MAV_PARAM_TYPE_INT32, UINT16_MAX
 from attest_mav.mavlink.decode.readers import Reader
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
@@ -129,12 +129,12 @@ class ParameterReader(Reader):
 
     def __init__(self, dialect: Dialect) -> None:
         super().__init__("PARAM_VALUE")
-        self._fields: Final = dialect.layout(self.name).pick("param_value", "param_id", "param_type")
+        self._fields: Final = dialect.layout(self.name).pick("param_value", "param_index", "param_id", "param_type")
         self._known: Final = {one.name.encode(): one for one in PARAMETERS}
 
     def read(self, frame: Frame) -> list[Sample]:
         """One ParameterSample. A name of 16 characters has no zero behind it."""
-        number, name, kind = self._fields.unpack(frame.payload)
+        number, index, name, kind = self._fields.unpack(frame.payload)
         parameter = self._known.get(name.split(b"\0", 1)[0])
         if parameter is None:
             return []
@@ -146,6 +146,13 @@ class ParameterReader(Reader):
             return self.refuse(frame, f"{parameter.name} is {number:g}; expected {expected}")
         return [
             ParameterSample(
-                self.name, frame.system, frame.component, frame.rx_ns, parameter.name, parameter.setting, value
+                self.name,
+                frame.system,
+                frame.component,
+                frame.rx_ns,
+                parameter.name,
+                parameter.setting,
+                value,
+                index != UINT16_MAX,
             )
         ]

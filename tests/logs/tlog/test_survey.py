@@ -190,3 +190,15 @@ def test_the_opening_holds_first_values_the_firmware_and_the_first_heartbeat(log
     assert [one.value for one in opening if isinstance(one, ParameterSample)] == [0.25]
     assert [one.version for one in opening if isinstance(one, FirmwareSample)] == [(4, 1, 1)]
     assert [(one.autopilot, one.vehicle_type) for one in opening if isinstance(one, HeartbeatSample)] == [(3, 2)]
+
+
+def test_a_change_tells_nothing_of_the_time_before_and_a_ground_stations_list_does(log):
+    log.heartbeat()
+    change = {"param_id": b"AHRS_TRIM_X", "param_value": 0.5, "param_type": 9, "param_index": 65535}
+    log.add("PARAM_VALUE", 0, change)
+    tell(log, b"AHRS_TRIM_X", 0.5)
+    assert [one for one in summary_of(log).vehicles[1, 1].opening if isinstance(one, ParameterSample)] == []
+    tell(log, b"AHRS_TRIM_X", 0.25, sender=(1, 190))
+    vehicle = summary_of(log).vehicles[1, 1]
+    assert [one.value for one in vehicle.opening if isinstance(one, ParameterSample)] == [0.25]
+    assert trims_of(log) == [0.5]
