@@ -150,8 +150,8 @@ class Judge:
         differences = self._differences(carried, theirs, source.disagrees)
         frozen = source.is_frozen(estimate.rates)
         all_off = frozen or all(one.is_off for one in differences)
-        measuring = not sample.frame_known and not source.offset.frozen
-        if not (measuring and all_off):
+        may_be_trim = not sample.frame_known and source.offset.may_be_trim(differences[0].tilt)
+        if not (may_be_trim and all_off):
             source.add(elapsed_s if all_off else -elapsed_s, self._settings.hold_s)
         return self._said(estimate, source, sample, differences, "frozen" if frozen else "")
 

@@ -166,6 +166,11 @@ def test_an_offset_larger_than_a_trim_can_be_is_a_disagreement():
     assert fly(judge, (20.0, 0.0), AttitudeForm.EULER, 0.0, 20.0)[-1].agreement == DISAGREE
 
 
+def test_a_difference_that_no_trim_could_make_is_a_disagreement_at_once():
+    said = fly(Judge(VerdictSettings()), (20.0, 0.0), AttitudeForm.EULER, 0.0, 2.0)
+    assert said[-1].agreement == DISAGREE
+
+
 def test_no_hold_time_means_at_once():
     judge = Judge(VerdictSettings(hold_s=0.0))
     last_said(LEVEL, judge=judge)
