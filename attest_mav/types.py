@@ -28,9 +28,8 @@ Records made once a sample are plain classes, set once and never changed afterwa
 made in some 30 ns, where a frozen dataclass takes 550.
 """
 
-from dataclasses import dataclass
 from enum import IntEnum
-from math import nan
+from math import isfinite, nan
 from typing import Final
 
 Vec3 = tuple[float, float, float]
@@ -55,30 +54,100 @@ class North(IntEnum):
 
 
 class Setting(IntEnum):
-    """A setting of the vehicle that a filter makes use of and the autopilot can tell."""
+    """A setting of the vehicle that the autopilot can tell. Switches and choices are numbers, as the autopilot's."""
 
     LOW_PASS_HZ = 0
     """Corner of the low-pass that gyro and accelerometer have passed, Hz; 0 for none."""
     FIX_DELAY_S = 1
     """Age of the receiver's velocity at the time that GPS_RAW_INT names, s."""
+    ACCEL_LOW_PASS_HZ = 2
+    """Corner of the accelerometer's low-pass where it has one of its own, Hz; 0 for none."""
+    TRIM_X = 3
+    """First angle of the trim between the reported attitude and the inertial sensor's, rad."""
+    TRIM_Y = 4
+    """Second angle, rad."""
+    TRIM_Z = 5
+    """Third angle, rad."""
+    ESTIMATOR = 6
+    """The estimator that the autopilot is set to use, a number of ``Estimator``."""
+    PITCH_TRIM = 7
+    """Pitch of level flight that a plane takes off the pitch it reports, rad."""
+    FLIGHT_OPTIONS = 8
+    """A plane's options as bits."""
+    HOVER_PITCH_TRIM = 9
+    """Pitch of a VTOL plane in the hover, rad."""
+    HOVERS = 10
+    """Other than 0 for a plane that can hover."""
+    TAILSITTER = 11
+    """Other than 0 for a plane that hovers nose-up."""
+    HOVER_FRAME = 12
+    """Class of a VTOL plane's frame."""
+    DECLINATION = 13
+    """Declination that the autopilot uses, rad, east positive."""
+    AUTO_DECLINATION = 14
+    """Other than 0 where the autopilot looks its declination up."""
 
 
-@dataclass(frozen=True)
+_OTHERS_UNKNOWN: Final = (nan,) * (len(Setting) - 2)
+"""The values of all settings behind the first two."""
+
+
 class VehicleSettings:
-    """The settings of the vehicle (``Setting``) as far as they are known; NaN where one is not."""
+    """The settings of the vehicle (``Setting``) as far as they are known; NaN where one is not.
 
-    low_pass_hz: float = nan
-    fix_delay_s: float = nan
+    others: the values of all settings behind the first two, in order.
+    """
+
+    def __init__(
+        self, low_pass_hz: float = nan, fix_delay_s: float = nan, others: tuple[float, ...] = _OTHERS_UNKNOWN
+    ) -> None:
+        self.low_pass_hz: Final = low_pass_hz
+        self.fix_delay_s: Final = fix_delay_s
+        self._values: Final = (low_pass_hz, fix_delay_s, *others)
 
     def get(self, setting: Setting) -> float:
         """The value of one setting."""
-        return self.low_pass_hz if setting == Setting.LOW_PASS_HZ else self.fix_delay_s
+        return self._values[setting]
+
+    def get_or(self, setting: Setting, default: float) -> float:
+        """The value of one setting, the default where it is not known."""
+        value = self._values[setting]
+        return value if isfinite(value) else default
 
     def updated(self, setting: Setting, value: float) -> "VehicleSettings":
         """The settings with one of them replaced; NaN takes back an earlier value."""
-        if setting == Setting.LOW_PASS_HZ:
-            return VehicleSettings(value, self.fix_delay_s)
-        return VehicleSettings(self.low_pass_hz, value)
+        values = list(self._values)
+        values[setting] = value
+        return VehicleSettings(values[0], values[1], tuple(values[2:]))
+
+    def __eq__(self, other: object) -> bool:
+        """Equal where the same settings are known with the same values."""
+        return isinstance(other, VehicleSettings) and repr(self) == repr(other)
+
+    def __hash__(self) -> int:
+        return hash(repr(self))
+
+    def __repr__(self) -> str:
+        """The known settings, every digit of them."""
+        known = [f"{one.name}={self._values[one]!r}" for one in Setting if isfinite(self._values[one])]
+        return f"VehicleSettings({', '.join(known)})"
+
+
+class Estimator(IntEnum):
+    """The autopilot's attitude estimators, by ArduPilot's numbers (AHRS_EKF_TYPE)."""
+
+    DCM = 0
+    """The direction cosine matrix, the fallback."""
+    EKF2 = 2
+    EKF3 = 3
+    SIMULATOR = 10
+    """The simulator's truth."""
+    EXTERNAL = 11
+    """A sensor that brings its own estimator."""
+
+
+Version = tuple[int, int, int]
+"""Major, minor and patch number of a firmware."""
 
 
 class VehicleKind(IntEnum):
@@ -202,7 +271,8 @@ class AttitudeSample(Sample):
     """An attitude that someone else reports.
 
     q_nb: body to NED, true north. rates: body angular rate, rad/s, or None where the message has none. role: whose it
-    is. form: how it was written.
+    is. form: how it was written. euler: roll, pitch and yaw as sent, rad, None where it was written otherwise.
+    frame_known: False where a rotation between the autopilot's body and the inertial sensor's may be left in it.
     """
 
     def __init__(
@@ -216,12 +286,32 @@ class AttitudeSample(Sample):
         rates: Vec3 | None,
         role: AttitudeRole,
         form: AttitudeForm = AttitudeForm.EULER,
+        euler: Vec3 | None = None,
+        frame_known: bool = True,
     ) -> None:
         super().__init__(source, system, component, t_ns, rx_ns)
         self.q_nb: Final = q_nb
         self.rates: Final = rates
         self.role: Final = role
         self.form: Final = form
+        self.euler: Final = euler
+        self.frame_known: Final = frame_known
+
+    def with_attitude(self, q_nb: Quat, frame_known: bool) -> "AttitudeSample":
+        """The same sample with another attitude; the Euler angles stay as they were sent."""
+        return AttitudeSample(
+            self.source,
+            self.system,
+            self.component,
+            self.t_ns,
+            self.rx_ns,
+            q_nb,
+            self.rates,
+            self.role,
+            self.form,
+            self.euler,
+            frame_known,
+        )
 
 
 class VelocityOrigin(IntEnum):
@@ -333,7 +423,8 @@ class AirDataSample(Sample):
 class HeartbeatSample(Sample):
     """HEARTBEAT: who is there.
 
-    ``vehicle_type`` is MAV_TYPE, ``kind`` how such a vehicle moves, ``autopilot`` MAV_AUTOPILOT, ``status`` MAV_STATE.
+    ``vehicle_type`` is MAV_TYPE, ``kind`` how such a vehicle moves, ``autopilot`` MAV_AUTOPILOT, ``status`` MAV_STATE,
+    ``mode`` the autopilot's own number of its flight mode.
     """
 
     def __init__(
@@ -347,6 +438,7 @@ class HeartbeatSample(Sample):
         armed: bool,
         status: int,
         kind: VehicleKind = VehicleKind.UNKNOWN,
+        mode: int = 0,
     ) -> None:
         super().__init__(source, system, component, NO_TIME, rx_ns)
         self.vehicle_type: Final = vehicle_type
@@ -354,6 +446,7 @@ class HeartbeatSample(Sample):
         self.autopilot: Final = autopilot
         self.armed: Final = armed
         self.status: Final = status
+        self.mode: Final = mode
 
 
 class LandedSample(Sample):
@@ -376,15 +469,41 @@ class ParameterSample(Sample):
     """PARAM_VALUE of a parameter that tells a setting. ``name`` is the autopilot's; PARAM_VALUE carries no time.
 
     value: in the unit of the setting, NaN where the autopilot leaves the setting to a default that it does not tell.
+    is_listed: it is part of a list of all parameters, and so no news; False for an answer and for a change.
     """
 
     def __init__(
-        self, source: str, system: int, component: int, rx_ns: int, name: str, setting: Setting, value: float
+        self,
+        source: str,
+        system: int,
+        component: int,
+        rx_ns: int,
+        name: str,
+        setting: Setting,
+        value: float,
+        is_listed: bool = False,
     ) -> None:
         super().__init__(source, system, component, NO_TIME, rx_ns)
         self.name: Final = name
         self.setting: Final = setting
         self.value: Final = value
+        self.is_listed: Final = is_listed
+
+
+class FirmwareSample(Sample):
+    """The version of the autopilot's firmware, as AUTOPILOT_VERSION or its first words tell it."""
+
+    def __init__(self, source: str, system: int, component: int, rx_ns: int, version: Version) -> None:
+        super().__init__(source, system, component, NO_TIME, rx_ns)
+        self.version: Final = version
+
+
+class EstimatorSample(Sample):
+    """The autopilot's word that from now on this estimator makes the attitude that it reports."""
+
+    def __init__(self, source: str, system: int, component: int, rx_ns: int, estimator: Estimator) -> None:
+        super().__init__(source, system, component, NO_TIME, rx_ns)
+        self.estimator: Final = estimator
 
 
 class Estimate:

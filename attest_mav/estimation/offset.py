@@ -55,6 +55,10 @@ class OffsetMonitor:
         if SMALLEST < size < LARGEST:
             self.angles = mean
 
+    def may_be_trim(self, tilt: float) -> bool:
+        """True while the offset is being measured, for a difference (rad) that a trim could make."""
+        return not self.frozen and tilt < LARGEST
+
     def undone(self, reference: AttitudeSample) -> Quat:
         """The reference without the offset."""
         if self.angles is None:

@@ -11,6 +11,7 @@ from typing import Final
 
 from attest_mav.estimation.attitude_check import STALE_INTERVALS, AttitudeCheck
 from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind, Verdict
+from attest_mav.estimation.imu_frame import ImuFrame
 from attest_mav.estimation.lane import Lane
 from attest_mav.estimation.vehicle import AidSettings, Vehicle
 from attest_mav.estimation.verdict import VerdictSettings
@@ -59,6 +60,8 @@ class Pipeline:
         self.lanes: Final[dict[str, Lane]] = {}
         self.vehicle: Final = Vehicle(settings.aids) if vehicle is None else vehicle
         """What is known of the vehicle, shared by all lanes."""
+        self.imu_frame: Final = ImuFrame(self.vehicle)
+        """Turns the autopilot's attitudes into the frame of the inertial messages."""
         self.estimate: Estimate | None = None
         """Newest valid estimate of the primary lane, else None. Late ones are returned by ``handle`` but not kept."""
         self._settings = settings
@@ -86,7 +89,8 @@ class Pipeline:
         if isinstance(sample, ImuSample):
             return self._handle_imu(sample)
         if isinstance(sample, AttitudeSample):
-            return [*self._check.take(sample)]
+            in_imu_frame = self.imu_frame.attitude(sample)
+            return [] if in_imu_frame is None else [*self._check.take(in_imu_frame)]
         self.vehicle.take(sample)
         if isinstance(sample, ParameterSample):
             self.set_vehicle_settings(self.vehicle.settings)
@@ -128,11 +132,19 @@ class Pipeline:
         if lane is None:
             lane = Lane(source, self._filter, self.vehicle)
             self.lanes[source] = lane
-        taken = lane.samples
+        taken, restarts = lane.samples, lane.restarts
         events = lane.handle(sample)
+        if lane.restarts > restarts:
+            self._forget_if_rebooted(events)
         if source == self._sources[0] and lane.samples > taken:
             events += self._follow_primary(events)
         return events
+
+    def _forget_if_rebooted(self, events: list[Event]) -> None:
+        """Forget the trims of an autopilot that has booted since."""
+        for event in events:
+            if isinstance(event, LaneEvent) and event.kind == LaneEventKind.REBOOTED:
+                self.vehicle.forget_trims()
 
     def _follow_primary(self, events: list[Event]) -> list[Event]:
         """Take over the primary lane's new estimate; there is none while its filter aligns."""

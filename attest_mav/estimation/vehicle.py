@@ -15,6 +15,9 @@ from attest_mav.filters.base import Airspeed, BodyVelocity
 from attest_mav.types import (
     AirDataSample,
     EarthField,
+    Estimator,
+    EstimatorSample,
+    FirmwareSample,
     HeartbeatSample,
     LandedSample,
     North,
@@ -22,10 +25,12 @@ from attest_mav.types import (
     PositionSample,
     Quat,
     Sample,
+    Setting,
     VehicleKind,
     VehicleSettings,
     VelocityOrigin,
     VelocitySample,
+    Version,
 )
 
 STALE_NS: Final = 2_000_000_000
@@ -81,6 +86,16 @@ class Vehicle:
         self.settings = VehicleSettings()
         """The autopilot's settings as far as they are known."""
         self.kind = VehicleKind.UNKNOWN
+        self.vehicle_type = -1
+        """MAV_TYPE, -1 before the first heartbeat."""
+        self.autopilot = -1
+        """MAV_AUTOPILOT, -1 before the first heartbeat."""
+        self.mode = 0
+        """The autopilot's own number of its flight mode."""
+        self.firmware: Version | None = None
+        """Version of the autopilot's firmware, None while it is not known."""
+        self.estimator: Estimator | None = None
+        """The estimator that the autopilot said it went over to, None while it said nothing."""
         self.armed: bool | None = None
         """None while the vehicle does not say. Armed, it may be under way, whatever else is known."""
         self.landed: bool | None = None
@@ -96,7 +111,7 @@ class Vehicle:
     def take(self, sample: Sample) -> None:
         """Remember a sample that is neither inertial nor an attitude."""
         if isinstance(sample, HeartbeatSample):
-            self.kind, self.armed = sample.kind, sample.armed
+            self._take_heartbeat(sample)
         elif isinstance(sample, LandedSample):
             self.landed = sample.on_ground
         elif isinstance(sample, AirDataSample):
@@ -111,6 +126,20 @@ class Vehicle:
             self.latitude = sample.latitude_deg * pi / 180.0
         elif isinstance(sample, ParameterSample):
             self.settings = self.settings.updated(sample.setting, sample.value)
+        elif isinstance(sample, FirmwareSample):
+            self.firmware = sample.version
+        elif isinstance(sample, EstimatorSample):
+            self.estimator = sample.estimator
+
+    def forget_trims(self) -> None:
+        """The autopilot has booted: its trims may be others, and it began with its usual estimator."""
+        for setting in (Setting.TRIM_X, Setting.TRIM_Y, Setting.TRIM_Z, Setting.PITCH_TRIM, Setting.HOVER_PITCH_TRIM):
+            self.settings = self.settings.updated(setting, nan)
+        self.estimator = None
+
+    def _take_heartbeat(self, sample: HeartbeatSample) -> None:
+        self.kind, self.armed, self.mode = sample.kind, sample.armed, sample.mode
+        self.autopilot, self.vehicle_type = sample.autopilot, sample.vehicle_type
 
     @property
     def on_ground(self) -> bool:

@@ -96,8 +96,6 @@ class Judge:
     """Weighs the autopilot's attitudes against the set of ours as both come."""
 
     def __init__(self, settings: VerdictSettings) -> None:
-        self.trim_known = True
-        """Whether the rotation between the autopilot's body and the inertial sensor's is known."""
         self._settings: Final = settings
         self._pairing: Final = Pairing()
         self._members: tuple[Member, ...] = ()
@@ -146,14 +144,14 @@ class Judge:
         estimate = carried.estimate
         if estimate.tilt_sigma > self._settings.max_sigma:
             return _verdict(Agreement.UNDECIDED, _doubt(estimate, "low-confidence"), None, source, sample)
-        if not self.trim_known and not estimate.tilt_sigma > self._settings.agree_sigma:
+        if not sample.frame_known and not estimate.tilt_sigma > self._settings.agree_sigma:
             source.offset.learn(carried.q_nb, sample)
-        theirs = sample.q_nb if self.trim_known else source.offset.undone(sample)
+        theirs = sample.q_nb if sample.frame_known else source.offset.undone(sample)
         differences = self._differences(carried, theirs, source.disagrees)
         frozen = source.is_frozen(estimate.rates)
         all_off = frozen or all(one.is_off for one in differences)
-        measuring = not self.trim_known and not source.offset.frozen
-        if not (measuring and all_off):
+        may_be_trim = not sample.frame_known and source.offset.may_be_trim(differences[0].tilt)
+        if not (may_be_trim and all_off):
             source.add(elapsed_s if all_off else -elapsed_s, self._settings.hold_s)
         return self._said(estimate, source, sample, differences, "frozen" if frozen else "")
 
@@ -178,7 +176,7 @@ class Judge:
             reason = "heading-uncertain" if first.reason == "heading" else _doubt(estimate, "low-confidence")
         elif estimate.tilt_sigma > self._settings.agree_sigma or _blind(estimate):
             reason = _doubt(estimate, "low-confidence")
-        elif not self.trim_known and source.offset.angles is not None:
+        elif not sample.frame_known and source.offset.angles is not None:
             reason = "offset"
         if reason:
             return _verdict(Agreement.UNDECIDED, reason, first, source, sample)

@@ -60,6 +60,9 @@ class VehicleSummary:
     """The settings of the vehicle, from firmware and parameters."""
     parameters: tuple[ParameterSample, ...]
     """The parameters in the log behind ``settings``, the last one of each setting."""
+    opening: tuple[Sample, ...] = ()
+    """What is known of the vehicle at the beginning: its first heartbeat, its firmware, the first value of each
+    parameter."""
 
     def count(self, name: str) -> int:
         """Number of messages of that name."""
@@ -126,7 +129,7 @@ class LogSource(Protocol):
         """First pass. UnreadableDataError if the log has no message."""
 
     def samples(self, plan: Plan) -> Iterator[SampleBatch]:
-        """Second pass: the samples of the plan's messages, and of all messages that aid a filter.
+        """Second pass: the samples of the plan's messages, and of all that aid a filter or tell an attitude's frame.
 
         The aiding messages do not depend on the plan, so that the result of a filter does not depend on its company.
         """

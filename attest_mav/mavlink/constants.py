@@ -12,7 +12,8 @@ known of the autopilot: the three of the first sensor, then those of the second 
 
 UINT8_MAX: Final = 255
 UINT16_MAX: Final = 65535
-"""Values of the fields of GPS_RAW_INT that the sender does not know."""
+"""Values of the fields of GPS_RAW_INT that the sender does not know, and of PARAM_VALUE.param_index for a parameter
+that is no part of a list."""
 MAVLINK_VERSION: Final = 3
 """Value of HEARTBEAT.mavlink_version."""
 

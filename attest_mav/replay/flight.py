@@ -1,10 +1,13 @@
 """The filters over one recorded flight: samples in, comparisons out."""
 
+from collections.abc import Sequence
 from math import inf, nan
 from typing import Final
 
+from attest_mav.estimation.imu_frame import ImuFrame
 from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.estimation.timebase import WRAP_NS
+from attest_mav.estimation.vehicle import AidSettings, Vehicle
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.logs.source import EstimateWriter, Plan
 from attest_mav.replay.comparison import Attitude, Comparison, ComparisonSink
@@ -12,7 +15,7 @@ from attest_mav.replay.log_time import LogTime, Regularity
 from attest_mav.replay.reference_track import ReferenceTrack
 from attest_mav.replay.request import Window
 from attest_mav.replay.stamping import BurstStamp, Stamped
-from attest_mav.types import NO_TIME, AttitudeSample, EarthField, Estimate, ImuSample, North, Sample
+from attest_mav.types import NO_TIME, AttitudeSample, EarthField, Estimate, ImuSample, North, ParameterSample, Sample
 
 AUTOPILOT: Final = "autopilot"
 """Name of the autopilot's own attitude among the compared ones."""
@@ -40,6 +43,7 @@ class Flight:
         window: Window,
         sink: ComparisonSink | None = None,
         writer: EstimateWriter | None = None,
+        opening: Sequence[Sample] = (),
     ) -> None:
         reference = ReferenceTrack()
         self.runs: Final = [FilterRun(one, plan.imu, field, Comparison(one.name, reference, sink)) for one in filters]
@@ -60,6 +64,11 @@ class Flight:
         self._time: Final = LogTime()
         self._stamp: Final = BurstStamp()
         self._reading = window.start_s <= 0.0
+        self._vehicle: Final = Vehicle(AidSettings())
+        self.imu_frame: Final = ImuFrame(self._vehicle)
+        """Turns the autopilot's attitudes into the frame of the inertial messages."""
+        for sample in opening:
+            self._vehicle.take(sample)
 
     def take(self, sample: Sample, position: int = 0) -> None:
         """Take the next sample. ``position``: the end of its record in the log, for the writer."""
@@ -71,8 +80,7 @@ class Flight:
         elif isinstance(sample, AttitudeSample):
             self._take_attitude(sample)
         else:
-            for run in self.runs:
-                run.pipeline.handle(sample)
+            self._take_other(sample)
 
     def finish(self) -> None:
         """The log has ended."""
@@ -81,6 +89,13 @@ class Flight:
             comparison.finish()
         if self._writer is not None:
             self._writer.finish()
+
+    def _take_other(self, sample: Sample) -> None:
+        """A sample of the vehicle. The filters have its settings from the start: a change is for the frames alone."""
+        self._vehicle.take(sample)
+        if not isinstance(sample, ParameterSample):
+            for run in self.runs:
+                run.pipeline.handle(sample)
 
     def _take_imu(self, sample: ImuSample, position: int) -> None:
         elapsed_s = self._time.advance(sample.t_ns)
@@ -115,14 +130,20 @@ class Flight:
         """The reference, the autopilot's attitude, the message that times the reference, or two of these."""
         if sample.source == self._timing_source:
             self._take_stamped(self._stamp.timed(sample.t_ns, sample.rx_ns))
-        if sample.source == self._reference_source and self._reading:
-            self.reference_samples += 1
-            if sample.t_ns == NO_TIME:
-                self._take_stamped(self._stamp.untimed(sample))
-            else:
-                self._take_reference(sample, sample.t_ns)
-        if sample.source == self._autopilot_source and self._reading:
-            self._take_own(sample)
+        is_reference = sample.source == self._reference_source
+        if not self._reading or not (is_reference or sample.source == self._autopilot_source):
+            return
+        in_imu_frame = self.imu_frame.attitude(sample)
+        if in_imu_frame is None:
+            return
+        if not is_reference:
+            self._take_own(in_imu_frame)
+            return
+        self.reference_samples += 1
+        if sample.t_ns == NO_TIME:
+            self._take_stamped(self._stamp.untimed(in_imu_frame))
+        else:
+            self._take_reference(in_imu_frame, sample.t_ns)
 
     def _take_own(self, sample: AttitudeSample) -> None:
         """Compare the autopilot's own attitude, once there is a first inertial sample to count time from."""

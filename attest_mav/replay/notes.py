@@ -22,6 +22,7 @@ def all_notes(
         *_other_autopilots(summary, plan),
         *_nothing_compared(plan, flight),
         *_truth_repeated(plan, flight),
+        *flight.imu_frame.history,
         *_setting_notes(vehicle.parameters, filters),
     ]
 

@@ -34,7 +34,7 @@ from attest_mav.service.verdict_history import VerdictHistory
 from attest_mav.types import EarthField, Estimate, ImuSample, ParameterSample, PositionSample, Sample
 
 REFUSALS_NS: Final = 1_000_000_000
-"""Period at which the decoder's refusals are looked through, ns."""
+"""Period at which the decoder's refusals and the frames of attitudes are looked through, ns."""
 
 _WARNINGS: Final = {
     LaneEventKind.STOPPED,
@@ -72,6 +72,7 @@ class Service:
         self._stale_ns: Final = int(settings.pipeline.stale_s * 1e9)
         self._sample_ns = now_ns - 10 * self._stale_ns
         self._reported: Final[dict[str, str]] = {}
+        self._reported_frames: list[str] = []
         self._next_refusals_ns = now_ns + REFUSALS_NS
 
     @property
@@ -110,6 +111,7 @@ class Service:
         if now_ns >= self._next_refusals_ns:
             self._next_refusals_ns = now_ns + REFUSALS_NS
             self._report_refusals()
+            self._report_frames()
         self._companion.state = self._state(now_ns)
         self._companion.poll(now_ns)
         self.due_ns = min(self._companion.next_deadline_ns, self._next_refusals_ns)
@@ -147,6 +149,7 @@ class Service:
             samples=self._samples,
             lanes=lane_snapshots(self._pipeline),
             verdict=self._verdicts.standing,
+            frame_notes=tuple(self._frame_notes),
             notes=NoteCounts(self._notebook.warnings, self._notebook.errors, self._notebook.dropped),
         )
 
@@ -221,6 +224,18 @@ class Service:
             unsure = estimate.tilt_sigma > self._settings.pipeline.verdict.max_sigma
             return MAV_STATE_CALIBRATING if unsure else MAV_STATE_ACTIVE
         return MAV_STATE_CALIBRATING if now_ns - self._sample_ns < self._stale_ns else MAV_STATE_BOOT
+
+    @property
+    def _frame_notes(self) -> list[str]:
+        return [] if self._pipeline is None else self._pipeline.imu_frame.notes
+
+    def _report_frames(self) -> None:
+        """Note each trim that is newly taken off an attitude, and each message that newly cannot be compared."""
+        notes = self._frame_notes
+        for text in notes:
+            if text not in self._reported_frames:
+                self._notebook.info(text)
+        self._reported_frames = notes
 
     def _report_refusals(self) -> None:
         """Note once why the inertial message gives no samples, or none with a magnetometer."""

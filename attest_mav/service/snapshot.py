@@ -188,6 +188,8 @@ class Snapshot:
     """Empty before the first inertial sample."""
     verdict: VerdictStanding | None
     """None before the first verdict."""
+    frame_notes: tuple[str, ...]
+    """The trims that are taken off the autopilot's attitudes, and the messages that cannot be compared."""
     notes: NoteCounts
     """Lines left for the log."""
 

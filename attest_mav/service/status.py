@@ -102,10 +102,10 @@ def _inertial_text(now: Snapshot, rates: Rates) -> str:
 
 
 def _filter_texts(now: Snapshot, lane: LaneSnapshot, estimate: Estimate) -> list[str]:
-    """The filter of the lane with its aiding, and the verdict."""
+    """The filter of the lane with its aiding, the verdict, and the trims it rests on."""
     texts = [filter_text(estimate, lane.rests_on)]
     if estimate.filter_name == "leveling" and now.vehicle is not None:
         texts.append(f"speed from {now.vehicle.speed_source}")
     if now.verdict is not None:
         texts.append(verdict_text(now.verdict.verdict))
-    return texts
+    return [*texts, *now.frame_notes]

@@ -22,6 +22,7 @@ from attest_mav.mavlink.wire.framer import Frame, Framer
 from attest_mav.sim.commands import UNDERSTOOD, Commands
 from attest_mav.sim.messages import Messages, within
 from attest_mav.sim.motion import Motion
+from attest_mav.sim.parameters import ParameterTable
 from attest_mav.sim.personality import personality_of
 from attest_mav.sim.report import AttitudeReport
 from attest_mav.sim.scenarios import make_trajectory
@@ -64,8 +65,9 @@ class FakeAutopilot:
             seed,
         )
         report = AttitudeReport(self.trajectory, settings.attitude_error, settings.faults, seed)
-        self.messages = Messages(settings, firmware, dialect, self.trajectory, self.sensors, report)
-        self.commands = Commands(settings.system, MAV_COMP_ID_AUTOPILOT1, firmware, dialect)
+        parameters = ParameterTable(firmware, settings.trim)
+        self.messages = Messages(settings, firmware, dialect, self.trajectory, self.sensors, report, parameters)
+        self.commands = Commands(settings.system, MAV_COMP_ID_AUTOPILOT1, firmware, dialect, parameters)
         self.framer = Framer(dialect, frozenset(dialect.id_of(name) for name in UNDERSTOOD))
         self.dialect = dialect
         self.encoder = Encoder(dialect, settings.system, MAV_COMP_ID_AUTOPILOT1)

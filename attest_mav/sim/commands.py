@@ -3,7 +3,8 @@
 SET_MESSAGE_INTERVAL and REQUEST_MESSAGE are acknowledged, every other command is UNSUPPORTED; REQUEST_DATA_STREAM is
 a message without acknowledgement (PX4 ignores it). TIMESYNC requests are answered with the time of arrival, to all, as
 ArduPilot does. PARAM_REQUEST_READ is answered for the parameters that there are, and for others not at all, as both
-firmwares do. What is addressed to somebody else, or claims to come from the autopilot itself, is dropped.
+firmwares do; PARAM_SET takes effect at once and is announced by PARAM_VALUE. What is addressed to somebody else, or
+claims to come from the autopilot itself, is dropped.
 """
 
 from math import isfinite
@@ -16,9 +17,11 @@ from attest_mav.mavlink.constants import (
     MAV_RESULT_DENIED,
     MAV_RESULT_FAILED,
     MAV_RESULT_UNSUPPORTED,
+    UINT16_MAX,
 )
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.framer import Frame
+from attest_mav.sim.parameters import ParameterTable
 from attest_mav.sim.personality import Personality
 from attest_mav.sim.streams import Streams
 
@@ -26,7 +29,8 @@ COMMAND_LONG: Final = "COMMAND_LONG"
 REQUEST_DATA_STREAM: Final = "REQUEST_DATA_STREAM"
 TIMESYNC: Final = "TIMESYNC"
 PARAM_REQUEST_READ: Final = "PARAM_REQUEST_READ"
-UNDERSTOOD: Final = (COMMAND_LONG, REQUEST_DATA_STREAM, TIMESYNC, PARAM_REQUEST_READ)
+PARAM_SET: Final = "PARAM_SET"
+UNDERSTOOD: Final = (COMMAND_LONG, REQUEST_DATA_STREAM, TIMESYNC, PARAM_REQUEST_READ, PARAM_SET)
 
 Reply = tuple[str, bytes | None]
 """A message's name and payload; None where the payload is the vehicle's to fill."""
@@ -35,11 +39,14 @@ Reply = tuple[str, bytes | None]
 class Commands:
     """Turns frames from the link into replies, and changes the streams accordingly."""
 
-    def __init__(self, system: int, component: int, personality: Personality, dialect: Dialect) -> None:
+    def __init__(
+        self, system: int, component: int, personality: Personality, dialect: Dialect, parameters: ParameterTable
+    ) -> None:
         self.system = system
         self.component = component
         self.personality = personality
         self.dialect = dialect
+        self.parameters = parameters
         self.command = dialect.layout(COMMAND_LONG).pick(
             "param1", "param2", "command", "target_system", "target_component"
         )
@@ -49,6 +56,9 @@ class Commands:
         self.timesync = dialect.layout(TIMESYNC).pick("tc1", "ts1")
         self.parameter_request = dialect.layout(PARAM_REQUEST_READ).pick(
             "param_index", "target_system", "target_component", "param_id"
+        )
+        self.parameter_set = dialect.layout(PARAM_SET).pick(
+            "param_value", "target_system", "target_component", "param_id"
         )
         self.parameter = dialect.layout("PARAM_VALUE").pick(
             "param_value", "param_count", "param_index", "param_id", "param_type"
@@ -63,30 +73,51 @@ class Commands:
         if name == COMMAND_LONG:
             return self._command(frame, streams, now_ns - boot_ns)
         if name == REQUEST_DATA_STREAM:
-            rate_hz, system, component, group, start = self.stream_request.unpack(frame.payload)
-            if self._is_ours(system, component) and self.personality.takes_groups:
-                streams.set_group_rate(group, rate_hz if start else 0, now_ns - boot_ns)
-            return []
-        if name == TIMESYNC:
-            tc1, ts1 = self.timesync.unpack(frame.payload)
-            if tc1 == 0:
-                return [(TIMESYNC, self.timesync.pack(int(frame.rx_ns) - boot_ns, ts1))]
-        if name == PARAM_REQUEST_READ:
+            self._request_group(frame, streams, now_ns - boot_ns)
+        elif name == TIMESYNC:
+            return self._synchronize(frame, boot_ns)
+        elif name == PARAM_REQUEST_READ:
             return self._parameter(frame)
+        elif name == PARAM_SET:
+            return self._set_parameter(frame)
         return []
+
+    def _request_group(self, frame: Frame, streams: Streams, now_ns: int) -> None:
+        rate_hz, system, component, group, start = self.stream_request.unpack(frame.payload)
+        if self._is_ours(system, component) and self.personality.takes_groups:
+            streams.set_group_rate(group, rate_hz if start else 0, now_ns)
+
+    def _synchronize(self, frame: Frame, boot_ns: int) -> list[Reply]:
+        tc1, ts1 = self.timesync.unpack(frame.payload)
+        return [(TIMESYNC, self.timesync.pack(int(frame.rx_ns) - boot_ns, ts1))] if tc1 == 0 else []
 
     def _parameter(self, frame: Frame) -> list[Reply]:
         """One parameter, by its index or, where that is negative, by its name."""
         number, system, component, name = self.parameter_request.unpack(frame.payload)
         if not self._is_ours(system, component):
             return []
-        wanted = name.split(b"\0", 1)[0]
-        parameters = self.personality.parameters
-        return [
-            ("PARAM_VALUE", self.parameter.pack(one.value, len(parameters), index, one.name.encode(), one.kind))
-            for index, one in enumerate(parameters)
-            if (index == number if number >= 0 else one.name.encode() == wanted)
-        ]
+        number = number if number >= 0 else self._number_of(name)
+        return self._told(number, number)
+
+    def _set_parameter(self, frame: Frame) -> list[Reply]:
+        """One parameter by its name. One that does not exist, or a value that is no number, changes nothing."""
+        value, system, component, name = self.parameter_set.unpack(frame.payload)
+        number = self._number_of(name)
+        if not self._is_ours(system, component) or number < 0 or not isfinite(value):
+            return []
+        self.parameters.set(number, value)
+        return self._told(number, UINT16_MAX)
+
+    def _number_of(self, name: bytes) -> int:
+        return self.parameters.index_of(name.split(b"\0", 1)[0].decode("ascii", "replace"))
+
+    def _told(self, number: int, index: int) -> list[Reply]:
+        """PARAM_VALUE of one parameter with this index, nothing where there is none of this number."""
+        known = self.parameters.parameters
+        if not 0 <= number < len(known):
+            return []
+        one = known[number]
+        return [("PARAM_VALUE", self.parameter.pack(one.value, len(known), index, one.name.encode(), one.kind))]
 
     def _is_ours(self, system: int, component: int) -> bool:
         return system in {0, self.system} and component in {0, self.component}

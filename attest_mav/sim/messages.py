@@ -11,11 +11,13 @@ from attest_mav.mavlink import constants as mavlink
 from attest_mav.mavlink.dialect import Dialect, Picked
 from attest_mav.sim.earth import Earth
 from attest_mav.sim.motion import Motion
+from attest_mav.sim.parameters import ParameterTable
 from attest_mav.sim.personality import Personality
 from attest_mav.sim.report import AttitudeReport
 from attest_mav.sim.sensors import NOTHING, SensorSuite
 from attest_mav.sim.settings import SimSettings, Span
 from attest_mav.sim.trajectory import STILL_S, Trajectory
+from attest_mav.sim.trim import trimmed_angles, trimmed_matrix, trimmed_quaternion
 from attest_mav.types import G_MPS2, Vec3
 
 UNIX_EPOCH_US: Final = 1_750_000_000_000_000
@@ -42,6 +44,8 @@ FIELDS: Final = {
     "GLOBAL_POSITION_INT": ("time_boot_ms", "lat", "lon", "alt", "relative_alt", "vx", "vy", "vz", "hdg"),
     "VFR_HUD": ("airspeed", "groundspeed", "alt", "climb", "heading", "throttle"),
     "SYSTEM_TIME": ("time_unix_usec", "time_boot_ms"),
+    "AHRS2": ("roll", "pitch", "yaw"),
+    "AUTOPILOT_VERSION": ("flight_sw_version",),
 }
 """The fields that are filled, in wire order; all others are zero."""
 
@@ -69,12 +73,14 @@ class Messages:
         trajectory: Trajectory,
         sensors: SensorSuite,
         report: AttitudeReport,
+        parameters: ParameterTable,
     ) -> None:
         self.settings = settings
         self.personality = personality
         self.trajectory = trajectory
         self.sensors = sensors
         self.report = report
+        self.parameters = parameters
         self.earth: Earth = settings.earth
         self.picked: dict[str, Picked] = {name: dialect.layout(name).pick(*names) for name, names in FIELDS.items()}
         self.mag_count_sent = 0
@@ -96,6 +102,8 @@ class Messages:
             "GLOBAL_POSITION_INT": self.global_position_int,
             "VFR_HUD": self.vfr_hud,
             "SYSTEM_TIME": self.system_time,
+            "AHRS2": self.ahrs2,
+            "AUTOPILOT_VERSION": self.autopilot_version,
         }
 
     def begin(self, t_ns: int, boot_ns: int, motion: Motion) -> None:
@@ -170,14 +178,23 @@ class Messages:
     # --- attitude ----------------------------------------------------------------------------------------------
 
     def attitude(self) -> tuple[float, ...]:
-        """The reported attitude."""
+        """The reported attitude, trimmed; the rates are the body's."""
         q, rates = self.report.at(self.t_s, self.motion)
-        return (self.boot_us // 1000, *q_to_euler(q), *rates)
+        return (self.boot_us // 1000, *trimmed_angles(q, self.parameters.trim), *rates)
 
     def attitude_quaternion(self) -> tuple[float, ...]:
-        """The reported attitude."""
+        """The reported attitude, trimmed."""
         q, rates = self.report.at(self.t_s, self.motion)
-        return (self.boot_us // 1000, *q, *rates)
+        return (self.boot_us // 1000, *trimmed_quaternion(q, self.parameters.trim), *rates)
+
+    def ahrs2(self) -> tuple[float, ...]:
+        """The attitude of the secondary estimator, which here agrees with the first."""
+        q, _ = self.report.at(self.t_s, self.motion)
+        return q_to_euler(trimmed_matrix(q, self.parameters.trim))
+
+    def autopilot_version(self) -> tuple[int, ...]:
+        """The firmware's version."""
+        return (self.personality.version,)
 
     def sim_state(self) -> tuple[float, ...]:
         """The truth. Latitude and longitude also as floats of 1e-7 degrees, as ArduPilot has them."""

@@ -74,6 +74,8 @@ class Personality:
     streams: tuple[Stream, ...]
     parameters: tuple[Parameter, ...]
     """Settings that are true of the simulated sensors."""
+    version: int
+    """flight_sw_version of AUTOPILOT_VERSION: major, minor and patch number, and the kind of release, a byte each."""
 
 
 ARDUPILOT_LOWPASS_HZ: Final = 20.0
@@ -103,11 +105,14 @@ ARDUPILOT: Final = Personality(
         Stream("GPS_RAW_INT", 4.0, MAV_DATA_STREAM_EXTENDED_STATUS),
         Stream("SIM_STATE", 4.0, MAV_DATA_STREAM_EXTRA1, fast=True),
         Stream("SYSTEM_TIME", 4.0, MAV_DATA_STREAM_EXTRA3),
+        Stream("AHRS2", 0.0),
+        Stream("AUTOPILOT_VERSION", 0.0),
     ),
     parameters=(
         Parameter("INS_GYRO_FILTER", ARDUPILOT_LOWPASS_HZ, MAV_PARAM_TYPE_INT16),
         Parameter("GPS1_DELAY_MS", 1e3 * GPS_DELAY_S, MAV_PARAM_TYPE_INT16),
     ),
+    version=0x040600FF,
 )
 
 PX4: Final = Personality(
@@ -133,8 +138,10 @@ PX4: Final = Personality(
         Stream("GPS_RAW_INT", 5.0),
         Stream("SIM_STATE", 50.0, fast=True),
         Stream("SYSTEM_TIME", 1.0),
+        Stream("AUTOPILOT_VERSION", 0.0),
     ),
     parameters=(Parameter("EKF2_GPS_DELAY", 1e3 * GPS_DELAY_S, MAV_PARAM_TYPE_REAL32),),
+    version=0x010F00FF,
 )
 
 PERSONALITIES: Final = ("ardupilot", "px4")

@@ -82,6 +82,8 @@ class SimSettings:
     errors: SensorErrors = field(default_factory=SensorErrors)
     attitude_error: Vec3 = (0.0015, 0.0015, 0.004)
     """Amplitude, rad in NED, of the slow errors of the attitude the autopilot reports: 0.1 and 0.2 degrees."""
+    trim: Vec3 = (0.0, 0.0, 0.0)
+    """ArduPilot's AHRS_TRIM_X, _Y and _Z, rad: the reported attitude is turned by it, the inertial readings are not."""
     first_fix_s: float = 3.0
     """GPS has no fix before, and GLOBAL_POSITION_INT no position."""
     mag_offset: Vec3 = (0.11, -0.06, 0.08)

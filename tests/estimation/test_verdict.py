@@ -20,9 +20,10 @@ def estimate(t_s, q_nb=LEVEL, rates=STILL, tilt_deg=0.5, heading_deg=0.5, dt_s=0
     return Estimate("RAW_IMU", "any", t_ns, t_ns, q_nb, rates, North.TRUE, *sigmas, dt_s, sigma_is_proven=proven)
 
 
-def attitude(t_s, q_nb, form=AttitudeForm.EULER):
+def attitude(t_s, q_nb, form=AttitudeForm.EULER, frame_known=True):
     t_ns = round(t_s * 1e9)
-    return AttitudeSample("ATTITUDE", 1, 1, t_ns, t_ns, q_nb, STILL, AttitudeRole.AUTOPILOT, form)
+    who = (AttitudeRole.AUTOPILOT, form)
+    return AttitudeSample("ATTITUDE", 1, 1, t_ns, t_ns, q_nb, STILL, *who, frame_known=frame_known)
 
 
 def last_said(theirs, seconds=5.0, judge=None, start_s=0.0, members=(), **ours):
@@ -128,18 +129,17 @@ def reported(q_nb, trim, form):
     return (w, i, j, k)
 
 
-def fly(judge, trim, form, start_s, seconds):
+def fly(judge, trim, form, start_s, seconds, frame_known=False):
     said = []
     for k in range(round(start_s * 10), round((start_s + seconds) * 10)):
         said += judge.take_estimate(estimate(0.1 * k, banked(k)))
-        said += judge.judge(attitude(0.1 * k, reported(banked(k), trim, form), form))
+        said += judge.judge(attitude(0.1 * k, reported(banked(k), trim, form), form, frame_known))
     return said
 
 
 @pytest.mark.parametrize("form", list(AttitudeForm))
 def test_a_steady_offset_is_named_and_not_accused(form):
     judge = Judge(VerdictSettings())
-    judge.trim_known = False
     said = fly(judge, (4.0, 2.0), form, 0.0, 20.0)
     assert DISAGREE not in {v.agreement for v in said}
     assert (said[-1].agreement, said[-1].reason) == (UNDECIDED, "offset")
@@ -149,7 +149,6 @@ def test_a_steady_offset_is_named_and_not_accused(form):
 @pytest.mark.parametrize("before", [(0.0, 0.0), (4.0, 2.0)])
 def test_an_offset_that_arises_in_flight_is_a_disagreement(before):
     judge = Judge(VerdictSettings())
-    judge.trim_known = False
     fly(judge, before, AttitudeForm.EULER, 0.0, 20.0)
     said = fly(judge, (before[0] + 5.0, before[1]), AttitudeForm.EULER, 20.0, 5.0)
     assert (said[-1].agreement, said[-1].reason) == (DISAGREE, "tilt")
@@ -157,15 +156,19 @@ def test_an_offset_that_arises_in_flight_is_a_disagreement(before):
 
 def test_a_known_trim_leaves_no_room_for_an_offset():
     judge = Judge(VerdictSettings())
-    said = fly(judge, (4.0, 2.0), AttitudeForm.EULER, 0.0, 20.0)
+    said = fly(judge, (4.0, 2.0), AttitudeForm.EULER, 0.0, 20.0, frame_known=True)
     assert said[-1].agreement == DISAGREE
     assert said[-1].offset is None
 
 
 def test_an_offset_larger_than_a_trim_can_be_is_a_disagreement():
     judge = Judge(VerdictSettings())
-    judge.trim_known = False
     assert fly(judge, (20.0, 0.0), AttitudeForm.EULER, 0.0, 20.0)[-1].agreement == DISAGREE
+
+
+def test_a_difference_that_no_trim_could_make_is_a_disagreement_at_once():
+    said = fly(Judge(VerdictSettings()), (20.0, 0.0), AttitudeForm.EULER, 0.0, 2.0)
+    assert said[-1].agreement == DISAGREE
 
 
 def test_no_hold_time_means_at_once():

@@ -13,8 +13,9 @@ FIRST: Final = 16
 EVERY: Final = 16
 """Of each kind of message from each sender, the first ``FIRST`` frames and then one in ``EVERY`` are returned.
 
-PARAM_VALUE is the exception, because a ground station records a thousand parameters, each of them once: the frames of
-all parameters that tell a setting are returned, and no others.
+PARAM_VALUE is one exception: a ground station records a thousand parameters, each of them once: the frames of
+all parameters that tell a setting are returned, and no others. STATUSTEXT is the other one: all are returned, as the
+firmware names itself in one of them.
 """
 NAME_BYTES: Final = 16
 
@@ -28,6 +29,7 @@ class MessageCounter(TlogWalker):
         """Frames by ``counter_key``."""
         parameter = dialect.layout("PARAM_VALUE")
         self._parameter_id: i64 = parameter.message_id
+        self._text_id: i64 = dialect.id_of("STATUSTEXT")
         self._name_at: i64 = parameter.offset("param_id")
         self._names: Final = parameter_bytes()
         self.first_rx_ns = 0
@@ -46,9 +48,10 @@ class MessageCounter(TlogWalker):
         self.counts[key] = count + 1
         if self.frames == 0:
             self.first_rx_ns = self._arrival(size)
-        is_sampled = (
-            count < FIRST or count % EVERY == 0 if message_id != self._parameter_id else self._tells_setting(at)
-        )
+        if message_id == self._parameter_id:
+            is_sampled = self._tells_setting(at)
+        else:
+            is_sampled = count < FIRST or count % EVERY == 0 or message_id == self._text_id
         if is_sampled or self._final:
             self.last_rx_ns = self._arrival(size)
         if is_sampled:

@@ -20,6 +20,12 @@ TLOG_ROLES: Final = MessageRoles(
 AIDING: Final = ("HEARTBEAT", "VFR_HUD", "GPS_RAW_INT", "SYSTEM_TIME")
 """Messages that aid a filter or give the time of one that does."""
 
+FRAME: Final = ("PARAM_VALUE", "STATUSTEXT")
+"""Messages that tell a change of the rotation between the autopilot's attitude and the inertial messages."""
+
+GROUND_SYSTEM: Final = 255
+"""System id of ground stations."""
+
 
 def inertial_by_preference(autopilot: int | None) -> tuple[str, ...]:
     """All inertial messages, best first; those whose units are unknown on this MAV_AUTOPILOT last."""

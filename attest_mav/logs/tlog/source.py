@@ -8,7 +8,7 @@ from attest_mav.errors import UnreadableDataError
 from attest_mav.logs.source import EXPECTED, ByteSink, LogSummary, Plan, Progress, SampleBatch
 from attest_mav.logs.tlog.annotate import OUR_COMPONENT, AnnotatedLogWriter
 from attest_mav.logs.tlog.reader import TlogReader, read_windows
-from attest_mav.logs.tlog.roles import AIDING
+from attest_mav.logs.tlog.roles import AIDING, FRAME
 from attest_mav.logs.tlog.summary import summarize
 from attest_mav.logs.tlog.survey import Survey
 from attest_mav.mavlink.component.encoder import Encoder
@@ -52,7 +52,7 @@ class TlogSource:
     def samples(self, plan: Plan) -> Iterator[SampleBatch]:
         """Second pass, a few frames of the log at a time."""
         self._decoder = self._decoder_for(plan)
-        wanted = frozenset(self._dialect.id_of(name) for name in plan.messages.union(AIDING))
+        wanted = frozenset(self._dialect.id_of(name) for name in plan.messages.union(AIDING, FRAME))
         reader = TlogReader(self._data, self._dialect, wanted)
         for frames in reader.batches():
             for start in range(0, len(frames), BATCH_FRAMES):

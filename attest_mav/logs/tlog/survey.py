@@ -8,7 +8,7 @@ from attest_mav.mavlink.constants import MAV_AUTOPILOT_INVALID
 from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
-from attest_mav.types import HeartbeatSample, ParameterSample, PositionSample, VelocitySample
+from attest_mav.types import FirmwareSample, HeartbeatSample, ParameterSample, PositionSample, VelocitySample
 
 
 class Survey:
@@ -20,17 +20,24 @@ class Survey:
         # Without SYSTEM_TIME a receiver's UNIX time cannot be related to the time since boot.
         self._clock_id: Final = dialect.id_of("SYSTEM_TIME")
         self._parameter_id: Final = dialect.id_of("PARAM_VALUE")
-        wanted = frozenset({self._heartbeat_id, self._gps_id, self._clock_id, self._parameter_id})
+        self._firmware_ids: Final = frozenset([dialect.id_of("AUTOPILOT_VERSION"), dialect.id_of("STATUSTEXT")])
+        wanted = self._firmware_ids.union([self._heartbeat_id, self._gps_id, self._clock_id, self._parameter_id])
         self.counter: Final = MessageCounter(dialect, wanted)
         """Counts of all messages."""
         self.heartbeats: Final[dict[VehicleId, Frame]] = {}
         """The first heartbeat of each flight controller."""
+        self.first_heartbeats: Final[dict[VehicleId, HeartbeatSample]] = {}
+        """The same, decoded."""
+        self.firmware: Final[dict[VehicleId, FirmwareSample]] = {}
+        """The first word of each sender on its firmware."""
         self.positions: Final[dict[int, PositionSample]] = {}
         """The first position with a 3-D fix, by system."""
         self.velocities: Final[set[int]] = set()
         """The systems with a velocity in GPS_RAW_INT."""
         self.parameters: Final[dict[VehicleId, dict[int, ParameterSample]]] = {}
         """The last parameter of each setting, by sender."""
+        self.first_parameters: Final[dict[VehicleId, dict[int, ParameterSample]]] = {}
+        """The first one of each, where it is part of a list: a change tells nothing of the time before."""
         self._decoder: Final = Decoder(dialect)
 
     @property
@@ -49,6 +56,8 @@ class Survey:
                 self._take_heartbeat(frame)
             elif frame.message_id == self._parameter_id:
                 self._take_parameter(frame)
+            elif frame.message_id in self._firmware_ids:
+                self._take_firmware(frame)
 
     def _take_fix(self, frame: Frame) -> None:
         if frame.system in self.positions and frame.system in self.velocities:
@@ -63,8 +72,18 @@ class Survey:
         for sample in self._decoder.decode(frame):
             if isinstance(sample, HeartbeatSample) and sample.autopilot != MAV_AUTOPILOT_INVALID:
                 self.heartbeats[frame.system, frame.component] = frame
+                self.first_heartbeats[frame.system, frame.component] = sample
 
     def _take_parameter(self, frame: Frame) -> None:
         for sample in self._decoder.decode(frame):
             if isinstance(sample, ParameterSample):
-                self.parameters.setdefault((frame.system, frame.component), {})[sample.setting] = sample
+                sender = (frame.system, frame.component)
+                known = self.parameters.setdefault(sender, {})
+                if sample.is_listed and sample.setting not in known:
+                    self.first_parameters.setdefault(sender, {})[sample.setting] = sample
+                known[sample.setting] = sample
+
+    def _take_firmware(self, frame: Frame) -> None:
+        for sample in self._decoder.decode(frame):
+            if isinstance(sample, FirmwareSample):
+                self.firmware.setdefault((frame.system, frame.component), sample)

@@ -8,14 +8,20 @@ that would need a correction.
 """
 
 from dataclasses import dataclass
-from math import nan
+from math import nan, pi
 from typing import Final
 
-from attest_mav.mavlink.constants import MAV_AUTOPILOT_ARDUPILOTMEGA, MAV_AUTOPILOT_PX4, MAV_PARAM_TYPE_INT32
+from attest_mav.mavlink.constants import MAV_AUTOPILOT_ARDUPILOTMEGA as ARDUPILOT
+from attest_mav.mavlink.constants import MAV_AUTOPILOT_PX4 as PX4
+from attest_mav.mavlink.constants import MAV_PARAM_TYPE_INT32, UINT16_MAX
 from attest_mav.mavlink.decode.readers import Reader
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
 from attest_mav.types import ParameterSample, Sample, Setting, VehicleSettings
+
+DEGREE: Final = pi / 180.0
+WORD: Final = float(1 << 31)
+"""Above the largest bit field."""
 
 
 @dataclass(frozen=True)
@@ -23,7 +29,8 @@ class Parameter:
     """One parameter. ``autopilot``: MAV_AUTOPILOT.
 
     unit: one unit of the parameter in units of the setting. low, high: plausible range besides 0, in the parameter's
-    unit. zero_is_default: 0 stands for a value that the autopilot does not send.
+    unit. zero_is_default: 0 stands for a value that the autopilot does not send. planes_only: other vehicles are not
+    asked for it.
     """
 
     name: str
@@ -33,6 +40,7 @@ class Parameter:
     low: float
     high: float
     zero_is_default: bool = False
+    planes_only: bool = False
 
     def value(self, number: float) -> float | None:
         """The setting for a number of the parameter: NaN for the autopilot's default, None for an implausible one."""
@@ -41,28 +49,62 @@ class Parameter:
         return number * self.unit if self.low <= number <= self.high else None
 
 
+def _of_planes(name: str, setting: Setting, unit: float, low: float, high: float) -> Parameter:
+    """A parameter that only ArduPilot's planes have."""
+    return Parameter(name, ARDUPILOT, setting, unit, low, high, planes_only=True)
+
+
 PARAMETERS: Final = (
-    Parameter("INS_GYRO_FILTER", MAV_AUTOPILOT_ARDUPILOTMEGA, Setting.LOW_PASS_HZ, 1.0, 1.0, 1000.0),
-    Parameter(
-        "GPS1_DELAY_MS", MAV_AUTOPILOT_ARDUPILOTMEGA, Setting.FIX_DELAY_S, 1e-3, 0.0, 1000.0, zero_is_default=True
-    ),
-    Parameter(
-        "GPS_DELAY_MS", MAV_AUTOPILOT_ARDUPILOTMEGA, Setting.FIX_DELAY_S, 1e-3, 0.0, 1000.0, zero_is_default=True
-    ),
-    Parameter("EKF2_GPS_DELAY", MAV_AUTOPILOT_PX4, Setting.FIX_DELAY_S, 1e-3, 0.0, 1000.0),
-    Parameter("SENS_GPS0_DELAY", MAV_AUTOPILOT_PX4, Setting.FIX_DELAY_S, 1e-3, 0.0, 1000.0),
+    Parameter("INS_GYRO_FILTER", ARDUPILOT, Setting.LOW_PASS_HZ, 1.0, 1.0, 1000.0),
+    Parameter("INS_ACCEL_FILTER", ARDUPILOT, Setting.ACCEL_LOW_PASS_HZ, 1.0, 1.0, 1000.0),
+    Parameter("GPS1_DELAY_MS", ARDUPILOT, Setting.FIX_DELAY_S, 1e-3, 0.0, 1000.0, zero_is_default=True),
+    Parameter("GPS_DELAY_MS", ARDUPILOT, Setting.FIX_DELAY_S, 1e-3, 0.0, 1000.0, zero_is_default=True),
+    Parameter("EKF2_GPS_DELAY", PX4, Setting.FIX_DELAY_S, 1e-3, 0.0, 1000.0),
+    Parameter("SENS_GPS0_DELAY", PX4, Setting.FIX_DELAY_S, 1e-3, 0.0, 1000.0),
+    Parameter("AHRS_TRIM_X", ARDUPILOT, Setting.TRIM_X, 1.0, -pi, pi),
+    Parameter("AHRS_TRIM_Y", ARDUPILOT, Setting.TRIM_Y, 1.0, -pi, pi),
+    Parameter("AHRS_TRIM_Z", ARDUPILOT, Setting.TRIM_Z, 1.0, -pi, pi),
+    Parameter("AHRS_EKF_TYPE", ARDUPILOT, Setting.ESTIMATOR, 1.0, 1.0, 11.0),
+    Parameter("COMPASS_DEC", ARDUPILOT, Setting.DECLINATION, 1.0, -pi, pi),
+    Parameter("EKF2_MAG_DECL", PX4, Setting.DECLINATION, DEGREE, -180.0, 180.0),
+    Parameter("COMPASS_AUTODEC", ARDUPILOT, Setting.AUTO_DECLINATION, 1.0, 1.0, 1.0),
+    _of_planes("PTCH_TRIM_DEG", Setting.PITCH_TRIM, DEGREE, -45.0, 45.0),
+    _of_planes("TRIM_PITCH_CD", Setting.PITCH_TRIM, 0.01 * DEGREE, -4500.0, 4500.0),
+    _of_planes("FLIGHT_OPTIONS", Setting.FLIGHT_OPTIONS, 1.0, 1.0, WORD),
+    _of_planes("Q_ENABLE", Setting.HOVERS, 1.0, 1.0, 2.0),
+    _of_planes("Q_TRIM_PITCH", Setting.HOVER_PITCH_TRIM, DEGREE, -45.0, 45.0),
+    _of_planes("Q_TAILSIT_ENABLE", Setting.TAILSITTER, 1.0, 1.0, 2.0),
+    _of_planes("Q_FRAME_CLASS", Setting.HOVER_FRAME, 1.0, 1.0, 255.0),
 )
-"""ArduPilot 4.6 gave GPS_DELAY_MS its new name; of PX4's two the second is the newer."""
+"""ArduPilot 4.6 gave GPS_DELAY_MS its new name, and 4.5 TRIM_PITCH_CD (in hundredths); of PX4's two delays the second
+is the newer. AHRS_TRIM is limited to 10 degrees where the autopilot calibrates it, and not where a user sets it."""
+
+QUANTITIES: Final = {
+    Setting.LOW_PASS_HZ: ("gyro low-pass", "Hz"),
+    Setting.FIX_DELAY_S: ("GPS delay", "s"),
+    Setting.ACCEL_LOW_PASS_HZ: ("accelerometer low-pass", "Hz"),
+    Setting.TRIM_X: ("trim", "rad"),
+    Setting.TRIM_Y: ("trim", "rad"),
+    Setting.TRIM_Z: ("trim", "rad"),
+    Setting.PITCH_TRIM: ("pitch trim", "rad"),
+    Setting.HOVER_PITCH_TRIM: ("pitch trim in the hover", "rad"),
+    Setting.DECLINATION: ("declination", "rad"),
+}
+"""Settings with a unit: the quantity in words, and its unit."""
 
 
 def facts_of_firmware(autopilot: int) -> VehicleSettings:
     """The settings that every vehicle with this MAV_AUTOPILOT has before it sends any."""
-    return VehicleSettings(low_pass_hz=0.0) if autopilot == MAV_AUTOPILOT_PX4 else VehicleSettings()
+    return VehicleSettings(low_pass_hz=0.0) if autopilot == PX4 else VehicleSettings()
 
 
-def names_of(setting: Setting, autopilot: int) -> list[str]:
-    """The parameters in which an autopilot (MAV_AUTOPILOT) may send a setting; empty where it has none."""
-    return [one.name for one in PARAMETERS if one.setting == setting and one.autopilot == autopilot]
+def names_of(setting: Setting, autopilot: int, is_plane: bool = True) -> list[str]:
+    """The parameters in which an autopilot (MAV_AUTOPILOT) may send a setting; empty where its vehicle has none."""
+    return [
+        one.name
+        for one in PARAMETERS
+        if one.setting == setting and one.autopilot == autopilot and (is_plane or not one.planes_only)
+    ]
 
 
 def parameter_bytes() -> frozenset[bytes]:
@@ -72,12 +114,14 @@ def parameter_bytes() -> frozenset[bytes]:
 
 def quantity(setting: Setting) -> str:
     """Name of the setting for people."""
-    return "gyro low-pass" if setting == Setting.LOW_PASS_HZ else "GPS delay"
+    known = QUANTITIES.get(setting)
+    return setting.name.lower().replace("_", " ") if known is None else known[0]
 
 
 def with_unit(setting: Setting, value: float) -> str:
     """A value of the setting with its unit, for people."""
-    return f"{value:g} Hz" if setting == Setting.LOW_PASS_HZ else f"{value:g} s"
+    known = QUANTITIES.get(setting)
+    return f"{value:g}" if known is None else f"{value:g} {known[1]}"
 
 
 class ParameterReader(Reader):
@@ -85,16 +129,16 @@ class ParameterReader(Reader):
 
     def __init__(self, dialect: Dialect) -> None:
         super().__init__("PARAM_VALUE")
-        self._fields: Final = dialect.layout(self.name).pick("param_value", "param_id", "param_type")
+        self._fields: Final = dialect.layout(self.name).pick("param_value", "param_index", "param_id", "param_type")
         self._known: Final = {one.name.encode(): one for one in PARAMETERS}
 
     def read(self, frame: Frame) -> list[Sample]:
         """One ParameterSample. A name of 16 characters has no zero behind it."""
-        number, name, kind = self._fields.unpack(frame.payload)
+        number, index, name, kind = self._fields.unpack(frame.payload)
         parameter = self._known.get(name.split(b"\0", 1)[0])
         if parameter is None:
             return []
-        if kind == MAV_PARAM_TYPE_INT32 and parameter.autopilot == MAV_AUTOPILOT_PX4:
+        if kind == MAV_PARAM_TYPE_INT32 and parameter.autopilot == PX4:
             number = float(int.from_bytes(frame.payload[:4], "little", signed=True))
         value = parameter.value(number)
         if value is None:
@@ -102,6 +146,13 @@ class ParameterReader(Reader):
             return self.refuse(frame, f"{parameter.name} is {number:g}; expected {expected}")
         return [
             ParameterSample(
-                self.name, frame.system, frame.component, frame.rx_ns, parameter.name, parameter.setting, value
+                self.name,
+                frame.system,
+                frame.component,
+                frame.rx_ns,
+                parameter.name,
+                parameter.setting,
+                value,
+                index != UINT16_MAX,
             )
         ]

@@ -9,6 +9,7 @@ from typing import Final
 from attest_mav.mavlink.constants import INERTIAL_MESSAGES
 from attest_mav.mavlink.decode.autopilot_parameters import ParameterReader
 from attest_mav.mavlink.decode.boot_clock import BootClock
+from attest_mav.mavlink.decode.firmware import AutopilotVersionReader, StatusTextReader
 from attest_mav.mavlink.decode.imu_reader import ImuReader
 from attest_mav.mavlink.decode.imu_source import ImuLane
 from attest_mav.mavlink.decode.readers import (
@@ -69,6 +70,8 @@ class Decoder:
             LandedReader(dialect),
             ClockReader(dialect, boot_clock),
             ParameterReader(dialect),
+            AutopilotVersionReader(dialect),
+            StatusTextReader(dialect),
         ]
         self._readers: Final[dict[int, Reader]] = {dialect.id_of(reader.name): reader for reader in others}
         for imu in self._imu:

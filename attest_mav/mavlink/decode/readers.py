@@ -4,7 +4,7 @@ from abc import abstractmethod
 from math import cos, isfinite, nan, radians, sin
 from typing import Final
 
-from attest_mav.algebra import is_finite, q_from_euler, q_mul, q_norm, q_unit, rotate_back
+from attest_mav.algebra import is_finite, q_from_euler, q_norm, q_unit
 from attest_mav.mavlink.constants import (
     GPS_FIX_TYPE_3D_FIX,
     MAV_AUTOPILOT_INVALID,
@@ -86,11 +86,13 @@ class HeartbeatReader(Reader):
     def __init__(self, dialect: Dialect) -> None:
         super().__init__("HEARTBEAT")
         self.autopilots: Final[dict[int, int]] = {}
-        self._fields: Final = dialect.layout(self.name).pick("type", "autopilot", "base_mode", "system_status")
+        self._fields: Final = dialect.layout(self.name).pick(
+            "custom_mode", "type", "autopilot", "base_mode", "system_status"
+        )
 
     def read(self, frame: Frame) -> list[Sample]:
         """One HeartbeatSample."""
-        vehicle_type, autopilot, base_mode, status = self._fields.unpack(frame.payload)
+        mode, vehicle_type, autopilot, base_mode, status = self._fields.unpack(frame.payload)
         if autopilot != MAV_AUTOPILOT_INVALID and (
             frame.component == MAV_COMP_ID_AUTOPILOT1 or frame.system not in self.autopilots
         ):
@@ -107,6 +109,7 @@ class HeartbeatReader(Reader):
                 armed,
                 status,
                 KINDS.get(vehicle_type, VehicleKind.UNKNOWN),
+                mode,
             )
         ]
 
@@ -132,16 +135,29 @@ class AttitudeReader(Reader):
             return self.refuse(frame, "a value is not finite")
         t_ns: int = values[0] * 1_000_000 if self._has_time else NO_TIME
         q = q_from_euler(euler[0], euler[1], euler[2])
-        return [AttitudeSample(self.name, frame.system, frame.component, t_ns, frame.rx_ns, q, rates, self._role)]
+        return [
+            AttitudeSample(
+                self.name,
+                frame.system,
+                frame.component,
+                t_ns,
+                frame.rx_ns,
+                q,
+                rates,
+                self._role,
+                AttitudeForm.EULER,
+                euler,
+            )
+        ]
 
 
 class QuaternionReader(Reader):
-    """ATTITUDE_QUATERNION. repr_offset_q, where it is set, turns attitude and rates into the body frame of display."""
+    """ATTITUDE_QUATERNION. Its q and rates are the body's; repr_offset_q is for display and is never applied."""
 
     def __init__(self, dialect: Dialect) -> None:
         super().__init__("ATTITUDE_QUATERNION")
         self._fields: Final = dialect.layout(self.name).pick(
-            "time_boot_ms", "q1", "q2", "q3", "q4", "rollspeed", "pitchspeed", "yawspeed", "repr_offset_q"
+            "time_boot_ms", "q1", "q2", "q3", "q4", "rollspeed", "pitchspeed", "yawspeed"
         )
 
     def read(self, frame: Frame) -> list[Sample]:
@@ -149,14 +165,9 @@ class QuaternionReader(Reader):
         values = self._fields.unpack(frame.payload)
         q: Quat = (values[1], values[2], values[3], values[4])
         rates: Vec3 = (values[5], values[6], values[7])
-        offset: Quat = (values[8], values[9], values[10], values[11])
         if not is_attitude(q) or not is_finite(rates):
             return self.refuse(frame, f"{q} is no attitude, or a rate is not finite")
         q = q_unit(q)
-        if is_attitude(offset):
-            offset = q_unit(offset)
-            q = q_mul(q, offset)
-            rates = rotate_back(offset, rates)
         t_ns: int = values[0] * 1_000_000
         role, form = AttitudeRole.AUTOPILOT, AttitudeForm.QUATERNION
         return [AttitudeSample(self.name, frame.system, frame.component, t_ns, frame.rx_ns, q, rates, role, form)]

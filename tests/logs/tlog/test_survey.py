@@ -7,7 +7,7 @@ from attest_mav.logs.tlog.message_counter import EVERY, FIRST
 from attest_mav.logs.tlog.reader import TlogReader, read_windows
 from attest_mav.logs.tlog.source import TlogSource
 from attest_mav.logs.tlog.survey import Survey
-from attest_mav.types import Setting
+from attest_mav.types import FirmwareSample, HeartbeatSample, ParameterSample, Setting
 
 INT16 = 4
 
@@ -146,3 +146,59 @@ def test_the_firmware_tells_a_setting_too(log, autopilot, low_pass_hz):
     settings = summary_of(log).vehicles[1, 1].settings
     assert settings.low_pass_hz == low_pass_hz if low_pass_hz is not None else isnan(settings.low_pass_hz)
     assert isnan(settings.fix_delay_s)
+
+
+def trims_of(log, vehicle=(1, 1)):
+    return [one.value for one in summary_of(log).vehicles[vehicle].parameters if one.setting == Setting.TRIM_X]
+
+
+@pytest.mark.parametrize("sender", [(1, 190), (255, 190), (255, 230)])
+def test_parameters_that_a_ground_station_recorded_are_the_vehicles_where_it_tells_none(log, sender):
+    log.heartbeat()
+    tell(log, b"AHRS_TRIM_X", 0.25, sender=sender)
+    tell(log, b"INS_GYRO_FILTER", 4.0, sender=sender)
+    assert trims_of(log) == [0.25]
+    assert summary_of(log).vehicles[1, 1].settings.low_pass_hz == 4.0
+    assert summary_of(log).vehicles[sender].parameters != (), "its own words stay its own"
+
+
+@pytest.mark.parametrize("own_first", [True, False])
+def test_the_autopilots_own_word_wins(log, own_first):
+    log.heartbeat()
+    for sender in sorted([(1, 1), (1, 190), (255, 190)], reverse=not own_first):
+        tell(log, b"AHRS_TRIM_X", 0.5 if sender == (1, 1) else 0.25, sender=sender)
+    assert trims_of(log) == [0.5]
+
+
+def test_a_ground_station_that_may_mean_another_vehicle_is_not_believed(log):
+    log.heartbeat()
+    log.heartbeat(sender=(2, 1))
+    tell(log, b"AHRS_TRIM_X", 0.25, sender=(255, 190))
+    assert trims_of(log) == []
+    tell(log, b"AHRS_TRIM_X", 0.125, sender=(2, 190))
+    assert (trims_of(log), trims_of(log, (2, 1))) == ([], [0.125])
+
+
+def test_the_opening_holds_first_values_the_firmware_and_the_first_heartbeat(log):
+    for number in range(100):
+        log.add("STATUSTEXT", number, {"severity": 6, "text": b"nothing new"})
+    log.add("STATUSTEXT", 100, {"severity": 6, "text": b"ArduCopter V4.1.1 (0a1b2c3d)"})
+    log.heartbeat()
+    tell(log, b"AHRS_TRIM_X", 0.25)
+    tell(log, b"AHRS_TRIM_X", 0.5)
+    opening = summary_of(log).vehicles[1, 1].opening
+    assert [one.value for one in opening if isinstance(one, ParameterSample)] == [0.25]
+    assert [one.version for one in opening if isinstance(one, FirmwareSample)] == [(4, 1, 1)]
+    assert [(one.autopilot, one.vehicle_type) for one in opening if isinstance(one, HeartbeatSample)] == [(3, 2)]
+
+
+def test_a_change_tells_nothing_of_the_time_before_and_a_ground_stations_list_does(log):
+    log.heartbeat()
+    change = {"param_id": b"AHRS_TRIM_X", "param_value": 0.5, "param_type": 9, "param_index": 65535}
+    log.add("PARAM_VALUE", 0, change)
+    tell(log, b"AHRS_TRIM_X", 0.5)
+    assert [one for one in summary_of(log).vehicles[1, 1].opening if isinstance(one, ParameterSample)] == []
+    tell(log, b"AHRS_TRIM_X", 0.25, sender=(1, 190))
+    vehicle = summary_of(log).vehicles[1, 1]
+    assert [one.value for one in vehicle.opening if isinstance(one, ParameterSample)] == [0.25]
+    assert trims_of(log) == [0.5]

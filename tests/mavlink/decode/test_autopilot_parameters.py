@@ -41,6 +41,21 @@ def as_float(number):
         (b"EKF2_GPS_DELAY", 110.5, REAL32, Setting.FIX_DELAY_S, 0.1105),
         (b"EKF2_GPS_DELAY", 0.0, REAL32, Setting.FIX_DELAY_S, 0.0),
         (b"SENS_GPS0_DELAY", as_float(110), INT32, Setting.FIX_DELAY_S, 0.11),
+        (b"INS_ACCEL_FILTER", 10.0, INT16, Setting.ACCEL_LOW_PASS_HZ, 10.0),
+        (b"AHRS_TRIM_X", 0.0625, REAL32, Setting.TRIM_X, 0.0625),
+        (b"AHRS_TRIM_Y", -0.5, REAL32, Setting.TRIM_Y, -0.5),  # set by hand, beyond the limit of the calibration
+        (b"AHRS_TRIM_Z", 0.0, REAL32, Setting.TRIM_Z, 0.0),
+        (b"AHRS_EKF_TYPE", 10.0, INT16, Setting.ESTIMATOR, 10.0),
+        (b"PTCH_TRIM_DEG", -2.0, REAL32, Setting.PITCH_TRIM, math.radians(-2.0)),
+        (b"TRIM_PITCH_CD", 250.0, INT16, Setting.PITCH_TRIM, math.radians(2.5)),
+        (b"FLIGHT_OPTIONS", 264.0, INT32, Setting.FLIGHT_OPTIONS, 264.0),
+        (b"Q_TRIM_PITCH", 3.0, REAL32, Setting.HOVER_PITCH_TRIM, math.radians(3.0)),
+        (b"Q_ENABLE", 1.0, INT16, Setting.HOVERS, 1.0),
+        (b"Q_TAILSIT_ENABLE", 1.0, INT16, Setting.TAILSITTER, 1.0),
+        (b"Q_FRAME_CLASS", 10.0, INT16, Setting.HOVER_FRAME, 10.0),
+        (b"COMPASS_DEC", -0.35, REAL32, Setting.DECLINATION, -0.35),
+        (b"COMPASS_AUTODEC", 1.0, INT16, Setting.AUTO_DECLINATION, 1.0),
+        (b"EKF2_MAG_DECL", -20.0, REAL32, Setting.DECLINATION, math.radians(-20.0)),
     ],
 )
 def test_what_autopilots_tell(hear, name, value, kind, setting, expected):
@@ -48,7 +63,7 @@ def test_what_autopilots_tell(hear, name, value, kind, setting, expected):
     assert (sample.source, sample.system, sample.component) == ("PARAM_VALUE", 1, 1)
     assert (sample.t_ns, sample.rx_ns) == (NO_TIME, 77)
     assert (sample.name, sample.setting) == (name.decode(), setting)
-    assert sample.value == pytest.approx(expected, abs=1e-9)
+    assert sample.value == pytest.approx(expected, rel=1e-7, abs=1e-9)
 
 
 @pytest.mark.parametrize("name", [b"GPS_DELAY_MS", b"GPS1_DELAY_MS"])
@@ -70,6 +85,10 @@ def test_ardupilots_zero_is_a_drivers_own_delay(hear, name):
         (b"EKF2_GPS_DELAY", 3e38, REAL32),
         (b"SENS_GPS0_DELAY", as_float(-110), INT32),
         (b"SENS_GPS0_DELAY", as_float(5000), INT32),
+        (b"AHRS_TRIM_X", math.nan, REAL32),
+        (b"AHRS_TRIM_X", 4.0, REAL32),
+        (b"PTCH_TRIM_DEG", 200.0, REAL32),
+        (b"COMPASS_DEC", -20.0, REAL32),
     ],
 )
 def test_a_value_that_cannot_be_meant_is_refused(hear, name, value, kind):

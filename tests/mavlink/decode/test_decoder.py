@@ -70,7 +70,7 @@ def test_everything_it_wants_it_understands(dialect):
     assert names == {
         "RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "SCALED_IMU3", "HIGHRES_IMU", "ATTITUDE", "ATTITUDE_QUATERNION",
         "SIM_STATE", "SIMSTATE", "AHRS2", "HEARTBEAT", "SYSTEM_TIME", "GLOBAL_POSITION_INT", "GPS_RAW_INT",
-        "VFR_HUD", "LOCAL_POSITION_NED", "PARAM_VALUE", "EXTENDED_SYS_STATE",
+        "VFR_HUD", "LOCAL_POSITION_NED", "PARAM_VALUE", "EXTENDED_SYS_STATE", "AUTOPILOT_VERSION", "STATUSTEXT",
     }  # fmt: skip
 
 
@@ -174,20 +174,12 @@ def test_attitude_quaternion(hear):
     assert sample.q_nb == pytest.approx(Q, abs=1e-7)
 
 
-def test_repr_offset_turns_the_body_axes(hear):
-    """A tailsitter: nose up by 90 degrees from the frame of its sensors."""
-    half = math.sqrt(0.5)
-    nose_up = [half, 0.0, half, 0.0]
-    (sample,) = hear(pymav.MAVLink_attitude_quaternion_message(5, *Q, 1.0, 2.0, 3.0, nose_up))
-    plain = matrix_of_quaternion(Q)
-    # The displayed x axis is the sensors' -z axis, the displayed z axis their x axis.
-    assert_same_rotation(sample.q_nb, [[-row[2], row[1], row[0]] for row in plain])
-    assert sample.rates == pytest.approx((-3.0, 2.0, 1.0), abs=1e-6)
-
-
-def test_a_repr_offset_of_zero_is_none(hear):
-    (sample,) = hear(pymav.MAVLink_attitude_quaternion_message(5, *Q, 1.0, 2.0, 3.0, [0.0] * 4))
+@pytest.mark.parametrize("offset", [(0.0, 0.0, 0.0, 0.0), (math.sqrt(0.5), 0.0, math.sqrt(0.5), 0.0)])
+def test_repr_offset_is_for_display_and_turns_nothing(hear, offset):
+    """PX4 fills it on a tailsitter in forward flight; q and rates stay the body's, as the inertial messages are."""
+    (sample,) = hear(pymav.MAVLink_attitude_quaternion_message(5, *Q, 1.0, 2.0, 3.0, list(offset)))
     assert sample.q_nb == pytest.approx(Q, abs=1e-7)
+    assert sample.rates == (1.0, 2.0, 3.0)
 
 
 def test_heartbeat(hear):
@@ -198,6 +190,8 @@ def test_heartbeat(hear):
     (sample,) = hear(pymav.MAVLink_heartbeat_message(6, 8, 255 & ~armed, 5, 4, 3))
     assert (sample.autopilot, sample.armed) == (8, False)
     assert hear.decoder.autopilots == {1: 3}
+    (sample,) = hear(pymav.MAVLink_heartbeat_message(1, 3, 81, 17, 4, 3))
+    assert sample.mode == 17
 
 
 def test_system_time(hear):

@@ -1,0 +1,191 @@
+"""The autopilot's attitudes, each turned into the frame of the inertial messages before anybody compares it.
+
+The rules stand in ``body_frames``; the trims, the firmware's version and the estimator in use are the vehicle's own
+words (``Vehicle``), and each counts from the first attitude after it.
+"""
+
+from math import degrees, isfinite, radians
+from typing import Final
+
+from attest_mav.algebra import q_from_euler, q_to_euler
+from attest_mav.estimation.body_frames import (
+    ARDUPILOT,
+    FrameRule,
+    TrimForm,
+    forms_of,
+    rules_of,
+    without_hover_view,
+    without_trim,
+)
+from attest_mav.estimation.hover_view import HoverView, hover_angle, hover_view
+from attest_mav.estimation.trim_form_fit import TrimFormFit
+from attest_mav.estimation.vehicle import Vehicle
+from attest_mav.types import (
+    AttitudeForm,
+    AttitudeRole,
+    AttitudeSample,
+    Estimator,
+    Quat,
+    Setting,
+    Vec3,
+    VehicleKind,
+)
+
+STEEPEST: Final = radians(85.0)
+"""Beyond this pitch a difference of Euler angles is no rotation that could be undone."""
+NO_PITCH_TRIM: Final = 1 << 8
+"""Bit of FLIGHT_OPTIONS: the pitch trim is not taken off ATTITUDE."""
+SHOWN: Final = radians(0.05)
+"""Smaller angles are not worth a note."""
+MAX_PAST: Final = 8
+"""Changes that are remembered for notes."""
+NO_TRIM: Final = (0.0, 0.0, 0.0)
+NO_EULER: Final = (0.0, 0.0, 0.0)
+"""For the forms that need no angles."""
+
+
+class _Removed:
+    """The angles that were taken off an attitude: the trim, and a pitch by its name; rad."""
+
+    def __init__(self, trim: Vec3, pitch_name: str, pitch: float) -> None:
+        self.trim: Final = trim
+        self.pitch_name: Final = pitch_name
+        self.pitch: Final = pitch
+
+    def differs(self, other: "_Removed") -> bool:
+        """True for other angles."""
+        return self.trim != other.trim or self.pitch != other.pitch
+
+    def text(self) -> str:
+        """The angles for people, "" where there are none."""
+        trim, parts = self.trim, []
+        if max(abs(angle) for angle in trim) >= SHOWN:
+            shown = trim if abs(trim[2]) >= SHOWN else trim[:2]
+            parts.append(f"AHRS_TRIM {', '.join([f'{degrees(angle):.1f}' for angle in shown])} deg")
+        if abs(self.pitch) >= SHOWN:
+            parts.append(f"{self.pitch_name} {degrees(self.pitch):.1f} deg")
+        return " and ".join(parts)
+
+
+class ImuFrame:
+    """Turns attitudes into the frame of the IMU. ``vehicle``: tells its trims, now and later."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        self._removed: Final[dict[str, list[_Removed]]] = {}
+        self._obstacles: Final[dict[str, str]] = {}
+        self._vehicle: Final = vehicle
+        self._fit: Final = TrimFormFit()
+
+    @property
+    def notes(self) -> list[str]:
+        """A line for each message off which something is taken at present, or whose frame is not known."""
+        texts = {source: past[-1].text() for source, past in self._removed.items()}
+        taken = [f"{text} taken off {source}" for source, text in texts.items() if text]
+        return taken + self._obstacle_notes()
+
+    @property
+    def history(self) -> list[str]:
+        """The same for the whole time: all that was taken off."""
+        taken = []
+        for source, past in self._removed.items():
+            share = "" if len(past) == 1 else ", part of the time"
+            texts = dict.fromkeys([removed.text() for removed in past])
+            taken += [f"{text} taken off {source}{share}" for text in texts if text]
+        return taken + self._obstacle_notes()
+
+    def _obstacle_notes(self) -> list[str]:
+        return [f"{source} is not compared: {reason}" for source, reason in self._obstacles.items() if reason]
+
+    def attitude(self, sample: AttitudeSample) -> AttitudeSample | None:
+        """The sample with the attitude of the IMU, None where that cannot be known.
+
+        A simulator's truth is the board's already. Of other autopilots than ArduPilot no trim is known.
+        """
+        vehicle = self._vehicle
+        if sample.role == AttitudeRole.TRUTH or vehicle.autopilot != ARDUPILOT:
+            return sample
+        estimator = self._estimator()
+        rules = rules_of(ARDUPILOT, sample.source, sample.form, vehicle.firmware, estimator)
+        if not rules:
+            self._refuse(sample, "no rule tells how this firmware trims it")
+            return None
+        rule = self._chosen(rules, sample)
+        if rule.secondary and sample.role == AttitudeRole.AUTOPILOT:
+            self._refuse(sample, "firmware before 4.1 fills it from its secondary estimator")
+            return None
+        view = hover_view(vehicle) if rule.hover_view else HoverView.NO
+        if view == HoverView.UNKNOWN:
+            self._refuse(sample, "it may show the view of the hover, which the flight mode alone does not tell")
+            return None
+        return self._turned(sample, rule, view)
+
+    def _estimator(self) -> Estimator:
+        """The estimator in use: by its own words, else as set, else the usual one."""
+        known = self._vehicle.estimator
+        if known is not None:
+            return known
+        chosen = self._vehicle.settings.get_or(Setting.ESTIMATOR, float(Estimator.EKF3))
+        return next((one for one in Estimator if one == chosen), Estimator.EKF3)
+
+    def _chosen(self, rules: list[FrameRule], sample: AttitudeSample) -> FrameRule:
+        """The rule whose form fits ATTITUDE where the version does not decide; until that is known the first."""
+        forms = forms_of(rules)
+        if len(forms) < 2:
+            return rules[0]
+        form = self._fit.judge(sample, forms, self._trim())
+        return next(rule for rule in rules if rule.trim == form)
+
+    def _turned(self, sample: AttitudeSample, rule: FrameRule, view: HoverView) -> AttitudeSample | None:
+        """The sample without trim and view."""
+        trim = NO_TRIM if rule.trim == TrimForm.NONE else self._trim()
+        if view == HoverView.YES:
+            angle = hover_angle(self._vehicle)
+            trim = self._trim()
+            q_nb = without_trim(TrimForm.MATRIX, trim, without_hover_view(sample.q_nb, angle), NO_EULER)
+            return self._known(sample, q_nb, _Removed(trim, "pitch trim of the hover", angle), self._trim_is_told)
+        pitch = self._pitch_trim() if rule.pitch_trim else 0.0
+        sent = q_to_euler(sample.q_nb) if sample.euler is None else sample.euler
+        euler = (sent[0], sent[1] + pitch, sent[2])
+        if rule.trim == TrimForm.EULER and trim != NO_TRIM and abs(euler[1] + trim[1]) > STEEPEST:
+            self._refuse(sample, "its pitch is too near 90 degrees for a difference of Euler angles")
+            return None
+        q_nb = sample.q_nb if pitch == 0.0 else q_from_euler(euler[0], euler[1], euler[2])
+        if trim != NO_TRIM:
+            q_nb = without_trim(rule.trim, trim, q_nb, euler)
+        if sample.form == AttitudeForm.EULER and sample.role == AttitudeRole.AUTOPILOT:
+            self._fit.remember(sample.t_ns, q_nb)
+        is_told = rule.trim == TrimForm.NONE or self._trim_is_told
+        if rule.pitch_trim and self._vehicle.kind == VehicleKind.WING:
+            is_told = is_told and isfinite(self._vehicle.settings.get(Setting.PITCH_TRIM))
+        return self._known(sample, q_nb, _Removed(trim, "pitch trim", pitch), is_told)
+
+    def _known(self, sample: AttitudeSample, q_nb: Quat, removed: _Removed, is_told: bool) -> AttitudeSample:
+        past = self._removed.setdefault(sample.source, [])
+        if not past or past[-1].differs(removed):
+            past.append(removed)
+            del past[:-MAX_PAST]
+        self._obstacles[sample.source] = ""
+        return sample.with_attitude(q_nb, is_told)
+
+    def _refuse(self, sample: AttitudeSample, reason: str) -> None:
+        self._obstacles[sample.source] = reason
+
+    @property
+    def _trim_is_told(self) -> bool:
+        """True where the vehicle has told the trim; versions without a third angle have told it with two."""
+        settings = self._vehicle.settings
+        return isfinite(settings.get(Setting.TRIM_X)) and isfinite(settings.get(Setting.TRIM_Y))
+
+    def _trim(self) -> Vec3:
+        settings = self._vehicle.settings
+        return (
+            settings.get_or(Setting.TRIM_X, 0.0),
+            settings.get_or(Setting.TRIM_Y, 0.0),
+            settings.get_or(Setting.TRIM_Z, 0.0),
+        )
+
+    def _pitch_trim(self) -> float:
+        """Rad, 0 where an option leaves it in."""
+        settings = self._vehicle.settings
+        is_left = int(settings.get_or(Setting.FLIGHT_OPTIONS, 0.0)) & NO_PITCH_TRIM
+        return 0.0 if is_left else settings.get_or(Setting.PITCH_TRIM, 0.0)
