@@ -65,7 +65,7 @@ class FakeAutopilot:
             seed,
         )
         report = AttitudeReport(self.trajectory, settings.attitude_error, settings.faults, seed)
-        parameters = ParameterTable(firmware, settings.trim)
+        parameters = ParameterTable(firmware, settings, self.trajectory.is_plane)
         self.messages = Messages(settings, firmware, dialect, self.trajectory, self.sensors, report, parameters)
         self.commands = Commands(settings.system, MAV_COMP_ID_AUTOPILOT1, firmware, dialect, parameters)
         self.framer = Framer(dialect, frozenset(dialect.id_of(name) for name in UNDERSTOOD))

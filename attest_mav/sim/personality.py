@@ -19,6 +19,7 @@ from attest_mav.mavlink.constants import (
     MAV_DATA_STREAM_EXTRA3,
     MAV_DATA_STREAM_POSITION,
     MAV_DATA_STREAM_RAW_SENSORS,
+    MAV_PARAM_TYPE_INT8,
     MAV_PARAM_TYPE_INT16,
     MAV_PARAM_TYPE_REAL32,
     MAV_RESULT_DENIED,
@@ -111,6 +112,8 @@ ARDUPILOT: Final = Personality(
     parameters=(
         Parameter("INS_GYRO_FILTER", ARDUPILOT_LOWPASS_HZ, MAV_PARAM_TYPE_INT16),
         Parameter("GPS1_DELAY_MS", 1e3 * GPS_DELAY_S, MAV_PARAM_TYPE_INT16),
+        Parameter("AHRS_EKF_TYPE", 3.0, MAV_PARAM_TYPE_INT8),
+        Parameter("COMPASS_AUTODEC", 1.0, MAV_PARAM_TYPE_INT8),
     ),
     version=0x040600FF,
 )

@@ -15,6 +15,9 @@ from attest_mav.sim.settings import PERFECT, Faults, SimSettings
 SECOND = 1_000_000_000
 BOOT, CALIBRATING, ACTIVE, CRITICAL, POWEROFF = 1, 2, 4, 5, 7
 
+FOR_THE_FILTER = ["INS_GYRO_FILTER", "GPS1_DELAY_MS"]
+FOR_THE_FRAME = ["AHRS_TRIM_X", "AHRS_TRIM_Y", "AHRS_TRIM_Z", "AHRS_EKF_TYPE", "COMPASS_DEC", "COMPASS_AUTODEC"]
+
 
 def sim(scenario="still", **settings):
     return SimSettings(scenario=scenario, fast_rate_hz=50.0, **settings)
@@ -224,10 +227,10 @@ def test_a_reboot_realigns_and_asks_again(flight):
     [
         (
             "ardupilot",
-            ["INS_GYRO_FILTER", "GPS1_DELAY_MS"],
+            [*FOR_THE_FILTER, *FOR_THE_FRAME],
             ["gyro low-pass is 20 Hz (INS_GYRO_FILTER)", "GPS delay is 0.1 s (GPS1_DELAY_MS)"],
         ),
-        ("px4", ["EKF2_GPS_DELAY"], ["GPS delay is 0.1 s (EKF2_GPS_DELAY)"]),
+        ("px4", ["EKF2_GPS_DELAY", "EKF2_MAG_DECL"], ["GPS delay is 0.1 s (EKF2_GPS_DELAY)"]),
     ],
 )
 def test_the_settings_are_read_from_the_autopilot_before_the_first_sample(flight, personality, asked, said):
@@ -246,7 +249,7 @@ def test_the_settings_are_asked_again_after_a_reboot_and_hold_until_then(flight)
     f.run_until(3.9)
     assert low_pass_hz(f) == 60.0
     f.run_until(9.0)
-    assert [one.param_id for one in f.of_type("PARAM_REQUEST_READ", 4.0)] == ["INS_GYRO_FILTER", "GPS1_DELAY_MS"]
+    assert [one.param_id for one in f.of_type("PARAM_REQUEST_READ", 4.0)] == [*FOR_THE_FILTER, *FOR_THE_FRAME]
     assert low_pass_hz(f) == 20.0
     assert [text for text in f.texts if text.startswith("the autopilot's gyro")] == [
         "the autopilot's gyro low-pass is 20 Hz (INS_GYRO_FILTER)",
@@ -278,13 +281,13 @@ def test_settings_of_other_components_and_vehicles_are_not_taken(flight):
 def test_what_is_configured_is_not_asked_for(flight):
     f = flight(f"{VELOCITY_AIDED}\n[filter.velocity-aided]\nlow_pass_hz = 35")
     f.run_until(3.0)
-    assert [one.param_id for one in f.of_type("PARAM_REQUEST_READ")] == ["GPS1_DELAY_MS"]
+    assert [one.param_id for one in f.of_type("PARAM_REQUEST_READ")] == ["GPS1_DELAY_MS", *FOR_THE_FRAME]
 
 
 def test_a_filter_that_has_no_use_for_the_settings_asks_for_none(flight):
     f = flight("[filter]\nname = 'gradient-descent'")
     f.run_until(3.0)
-    assert f.of_type("PARAM_REQUEST_READ") == []
+    assert [one.param_id for one in f.of_type("PARAM_REQUEST_READ")] == FOR_THE_FRAME
 
 
 VELOCITY_AIDED = "[filter]\nname = 'velocity-aided'"

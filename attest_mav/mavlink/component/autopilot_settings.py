@@ -1,14 +1,17 @@
-"""Reads the parameters of an autopilot that carry the vehicle's settings a filter needs.
+"""Reads the parameters of an autopilot that carry the settings of the vehicle.
 
-Each parameter is requested by name with PARAM_REQUEST_READ. An autopilot does not answer for a name that it does not
-have, and names change between releases. The names of a setting are therefore tried in turn, at doubling intervals;
-without an answer the filter keeps its own assumption.
+A filter needs some of them; others tell the rotation between the reported attitude and the inertial messages. Each
+parameter is requested by name with PARAM_REQUEST_READ, one at a time. An autopilot does not answer for a name that it
+does not have, and names change between releases. The names of a setting are therefore tried in turn, at doubling
+intervals; without an answer the filter keeps its own assumption.
 """
 
+from collections.abc import Sequence
 from math import isfinite
 from typing import Final
 
 from attest_mav.mavlink.component.notes import Notebook
+from attest_mav.mavlink.constants import MAV_AUTOPILOT_INVALID
 from attest_mav.mavlink.decode.autopilot_parameters import names_of, quantity, with_unit
 from attest_mav.types import ParameterSample, Setting, VehicleSettings
 
@@ -17,6 +20,23 @@ FIRST_PAUSE_NS: Final = 1_000_000_000
 MAX_TRIES: Final = 6
 """Requests at 0, 1, 3, 7, 15 and 31 s; given up at 63 s. The early ones may be lost while the autopilot boots or a
 ground station downloads all parameters."""
+SPACING_NS: Final = 50_000_000
+"""Two requests are at least this far apart: a slow radio link carries them beside everything else."""
+
+FRAME_SETTINGS: Final = (
+    Setting.TRIM_X,
+    Setting.TRIM_Y,
+    Setting.TRIM_Z,
+    Setting.PITCH_TRIM,
+    Setting.FLIGHT_OPTIONS,
+    Setting.HOVERS,
+    Setting.ESTIMATOR,
+    Setting.DECLINATION,
+    Setting.AUTO_DECLINATION,
+)
+"""Requested for every filter: the frame and the north of the autopilot's attitude."""
+HOVER_SETTINGS: Final = (Setting.HOVER_PITCH_TRIM, Setting.TAILSITTER, Setting.HOVER_FRAME)
+"""Requested besides of a plane that hovers; others do not have them."""
 
 
 class ParameterRequest:
@@ -40,26 +60,29 @@ class AutopilotSettings:
     """The settings of one vehicle and the open requests for them. ``poll`` returns names to request; it does not send.
 
     asks: False requests nothing and only listens. default_settings: the filter's own; those that are not NaN are
-    requested, and hold until the autopilot has answered.
+    requested, and hold until the autopilot has answered. ``FRAME_SETTINGS`` are requested of every autopilot that has
+    them.
     """
 
     def __init__(self, asks: bool, default_settings: VehicleSettings, notebook: Notebook) -> None:
-        self.wanted: Final = [setting for setting in Setting if isfinite(default_settings.get(setting))]
+        self.hovers = False
+        """True once a plane has told that it can hover."""
+        self._wanted: Final = [setting for setting in Setting if isfinite(default_settings.get(setting))]
         self._asks: Final = asks
         self._assumed: Final = default_settings
         self._notebook: Final = notebook
         self._open: list[ParameterRequest] = []
         self._noted: dict[Setting, str] = {}
+        self._autopilot = MAV_AUTOPILOT_INVALID
+        self._is_plane = False
+        self._next_ns = 0
 
-    def begin(self, autopilot: int, now_ns: int) -> None:
+    def begin(self, autopilot: int, is_plane: bool, now_ns: int) -> None:
         """Request every setting: a vehicle was found, found again, or has rebooted. ``autopilot``: MAV_AUTOPILOT."""
         self._open = []
-        if not self._asks:
-            return
-        for setting in self.wanted:
-            names = names_of(setting, autopilot)
-            if names:
-                self._open.append(ParameterRequest(setting, names, now_ns))
+        self._autopilot, self._is_plane, self.hovers = autopilot, is_plane, False
+        self._next_ns = now_ns
+        self._request([*self._wanted, *FRAME_SETTINGS], now_ns)
 
     def forget(self) -> None:
         """Drop all requests and notes: there is no vehicle any more, or another one."""
@@ -69,9 +92,12 @@ class AutopilotSettings:
     def received(self, sample: ParameterSample) -> None:
         """The vehicle sent a parameter, whoever had requested it."""
         setting = sample.setting
-        if setting not in self.wanted:
-            return
         self._open = [request for request in self._open if request.setting != setting]
+        if setting == Setting.HOVERS and sample.value != 0.0 and not self.hovers:
+            self.hovers = True
+            self._request(HOVER_SETTINGS, sample.rx_ns)
+        if setting not in self._wanted:
+            return
         subject = f"the autopilot's {quantity(setting)}"
         if isfinite(sample.value):
             self._note(setting, f"{subject} is {with_unit(setting, sample.value)} ({sample.name})")
@@ -79,31 +105,42 @@ class AutopilotSettings:
             self._note(setting, f"{subject} is left to a driver ({sample.name} is 0): {self._assumption(setting)}")
 
     def poll(self, now_ns: int) -> list[str]:
-        """The names of the parameters to request now."""
-        names = []
-        still_open = []
+        """The name of the parameter to request now, in a list; empty while none is due."""
         for request in self._open:
-            if now_ns < request.due_ns:
-                still_open.append(request)
-            elif request.tries < MAX_TRIES:
-                names.append(request.next_name(now_ns))
-                still_open.append(request)
-            else:
+            if request.tries >= MAX_TRIES and now_ns >= request.due_ns:
                 self._give_up(request)
-        self._open = still_open
-        return names
+        self._open = [request for request in self._open if request.tries < MAX_TRIES or now_ns < request.due_ns]
+        due = [request for request in self._open if now_ns >= request.due_ns]
+        if not due or now_ns < self._next_ns:
+            return []
+        self._next_ns = now_ns + SPACING_NS
+        return [due[0].next_name(now_ns)]
 
     @property
     def next_deadline_ns(self) -> int | None:
         """When ``poll`` is due; None while no request is open."""
-        return min([request.due_ns for request in self._open]) if self._open else None
+        return max(min([request.due_ns for request in self._open]), self._next_ns) if self._open else None
+
+    def _request(self, settings: Sequence[Setting], now_ns: int) -> None:
+        """Open a request for each setting that this autopilot's vehicle has."""
+        if not self._asks:
+            return
+        for setting in settings:
+            names = names_of(setting, self._autopilot, self._is_plane)
+            if names:
+                self._open.append(ParameterRequest(setting, names, now_ns))
 
     def _give_up(self, request: ParameterRequest) -> None:
+        """Note a setting that is missed; a trim once for all its angles."""
         setting = request.setting
+        if setting in self._wanted:
+            consequence = self._assumption(setting)
+        elif setting == Setting.TRIM_X:
+            consequence = "a steady offset of its attitude is measured instead"
+        else:
+            return
         names = " or ".join(request.names)
-        self._note(
-            setting, f"the autopilot does not tell its {quantity(setting)} ({names}): {self._assumption(setting)}"
-        )
+        self._note(setting, f"the autopilot does not tell its {quantity(setting)} ({names}): {consequence}")
 
     def _assumption(self, setting: Setting) -> str:
         return f"{with_unit(setting, self._assumed.get(setting))} is assumed"

@@ -87,6 +87,7 @@ class Companion:
         self._heartbeat: Final = dialect.layout("HEARTBEAT").pick("type", "autopilot")
         self._ack: Final = dialect.layout("COMMAND_ACK").pick("command", "result", "target_system", "target_component")
         self._commands: Final = CommandReader(dialect)
+        self._version_id: Final = dialect.id_of("AUTOPILOT_VERSION")
         self._estimate: Estimate | None = None
         self._verdict = NO_VERDICT
         self._next_heartbeat_ns = now_ns
@@ -112,7 +113,7 @@ class Companion:
 
     def parameter_taken(self, sample: ParameterSample) -> None:
         """Take note of a decoded parameter of the vehicle."""
-        self.data.autopilot_settings.received(sample)
+        self.data.parameter_taken(sample)
 
     def publish(self, estimate: Estimate, now_ns: int) -> None:
         """Send the newest estimate on every link where it is due, and keep it for requests."""
@@ -147,6 +148,8 @@ class Companion:
                 port.request(request, vehicle.system, vehicle.component)
             for name in self.data.autopilot_settings.poll(now_ns):
                 port.put(port.encoder.param_request_read(vehicle.system, vehicle.component, name))
+            if self.data.take_version_request():
+                port.put(port.encoder.request_message(vehicle.system, vehicle.component, self._version_id))
         if now_ns >= self._next_heartbeat_ns:
             self._next_heartbeat_ns = max(self._next_heartbeat_ns + HEARTBEAT_NS, now_ns + HEARTBEAT_NS // 2)
             self._send_heartbeats()
@@ -238,7 +241,7 @@ class Companion:
         self._system = self._settings.system or vehicle.system
         for port in self.ports:
             port.rename(self._system)
-        self.data.vehicle_found(vehicle.autopilot, now_ns)
+        self.data.vehicle_found(vehicle.autopilot, vehicle.vehicle_type, now_ns)
 
     def _send_heartbeats(self) -> None:
         """One heartbeat a link, and the outputs beside it."""

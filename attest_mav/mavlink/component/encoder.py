@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from struct import Struct
 from typing import Any, Final
 
-from attest_mav.mavlink.constants import MAV_CMD_SET_MESSAGE_INTERVAL, MAVLINK_VERSION
+from attest_mav.mavlink.constants import MAV_CMD_REQUEST_MESSAGE, MAV_CMD_SET_MESSAGE_INTERVAL, MAVLINK_VERSION
 from attest_mav.mavlink.dialect import Dialect, Layout
 from attest_mav.mavlink.wire.checksum import with_checksum
 from attest_mav.mavlink.wire.frame import MAGIC_V2, SIGNED
@@ -90,6 +90,13 @@ class Encoder:
             target_system,
             target_component,
             confirmation,
+        )
+        return self.frame(self._command.layout, payload)
+
+    def request_message(self, target_system: int, target_component: int, message_id: int) -> bytes:
+        """COMMAND_LONG with MAV_CMD_REQUEST_MESSAGE: the message once."""
+        payload = self._command.pack(
+            float(message_id), 0.0, MAV_CMD_REQUEST_MESSAGE, target_system, target_component, 0
         )
         return self.frame(self._command.layout, payload)
 

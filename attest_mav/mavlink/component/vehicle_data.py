@@ -14,15 +14,18 @@ from attest_mav.mavlink.component.stream import Stream, StreamRequest
 from attest_mav.mavlink.component.streams import StreamManager
 from attest_mav.mavlink.constants import (
     INERTIAL_MESSAGES,
+    MAV_AUTOPILOT_ARDUPILOTMEGA,
     MAV_AUTOPILOT_INVALID,
     MAV_DATA_STREAM_EXTENDED_STATUS,
     MAV_DATA_STREAM_EXTRA1,
     MAV_DATA_STREAM_EXTRA2,
     MAV_DATA_STREAM_POSITION,
     MAV_DATA_STREAM_RAW_SENSORS,
+    NO_DATA_STREAM,
 )
+from attest_mav.mavlink.decode.readers import KINDS
 from attest_mav.mavlink.dialect import Dialect
-from attest_mav.types import VehicleSettings
+from attest_mav.types import ParameterSample, VehicleKind, VehicleSettings
 
 OTHER_MESSAGES: Final = (
     "ATTITUDE",
@@ -31,6 +34,9 @@ OTHER_MESSAGES: Final = (
     "VFR_HUD",
     "SYSTEM_TIME",
     "EXTENDED_SYS_STATE",
+    "PARAM_VALUE",
+    "AUTOPILOT_VERSION",
+    "STATUSTEXT",
 )
 POSITION_MESSAGES: Final = ("GLOBAL_POSITION_INT", "LOCAL_POSITION_NED")
 """Results of the autopilot's own filter: requested only where the configuration names them."""
@@ -72,13 +78,13 @@ class VehicleData:
         self._imu_ids: Final = frozenset([dialect.id_of(name) for name in INERTIAL_MESSAGES])
         self._further_ids: Final = frozenset([dialect.id_of(name) for name in settings.further_imu_messages])
         others = [*OTHER_MESSAGES, *settings.positions]
-        if self.autopilot_settings.wanted:
-            others.append("PARAM_VALUE")
         self.wanted: Final = self._imu_ids | frozenset([dialect.id_of(name) for name in others])
         """Ids of all messages that can be of use."""
         self._choice: ImuChoice | None = None
         self._candidate_id = -1
         self._autopilot = MAV_AUTOPILOT_INVALID
+        self._is_plane = False
+        self._version_due = False
 
     @property
     def imu(self) -> Stream | None:
@@ -88,12 +94,13 @@ class VehicleData:
                 return stream
         return None
 
-    def vehicle_found(self, autopilot: int, now_ns: int) -> None:
+    def vehicle_found(self, autopilot: int, vehicle_type: int, now_ns: int) -> None:
         """Request everything of a vehicle that was found, for the first time or again."""
         if self._choice is None:
             messages = list(self._settings.imu_messages) or preferred_messages(autopilot)
             self._choice = ImuChoice(messages, now_ns)
         self._autopilot = autopilot
+        self._is_plane = KINDS.get(vehicle_type) == VehicleKind.WING
         self.begin(now_ns)
 
     def forget(self) -> None:
@@ -117,7 +124,25 @@ class VehicleData:
         ]
         streams += [self._stream(name, settings.aiding_hz, MAV_DATA_STREAM_POSITION) for name in settings.positions]
         self.stream_manager.begin(streams, now_ns)
-        self.autopilot_settings.begin(self._autopilot, now_ns)
+        self.autopilot_settings.begin(self._autopilot, self._is_plane, now_ns)
+        self._version_due = settings.asks and self._autopilot == MAV_AUTOPILOT_ARDUPILOTMEGA
+
+    def parameter_taken(self, sample: ParameterSample) -> None:
+        """Take note of a decoded parameter. Of a plane that hovers ATTITUDE_QUATERNION is requested too.
+
+        In the hover its ATTITUDE shows another view of the aircraft, and not every message tells when.
+        """
+        hovered = self.autopilot_settings.hovers
+        self.autopilot_settings.received(sample)
+        if self.autopilot_settings.hovers and not hovered:
+            stream = self._stream("ATTITUDE_QUATERNION", self._settings.attitude_hz, NO_DATA_STREAM)
+            self.stream_manager.want(stream, sample.rx_ns)
+
+    def take_version_request(self) -> bool:
+        """True once for each vehicle, or boot of it, whose firmware decides on the form of its attitudes."""
+        is_due = self._version_due
+        self._version_due = False
+        return is_due
 
     def arrived(self, message_id: int) -> bool:
         """Count a message of the vehicle; True when it is worth decoding."""

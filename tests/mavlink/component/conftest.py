@@ -47,8 +47,10 @@ class Bench:
         self._collect()
         return taken
 
-    def vehicle_heartbeat(self, system: int = 1, component: int = 1, link: int = 0, autopilot: int = 3) -> bool:
-        return self.hear(heartbeat(2, autopilot), system, component, link)
+    def vehicle_heartbeat(
+        self, system: int = 1, component: int = 1, link: int = 0, autopilot: int = 3, vehicle_type: int = 2
+    ) -> bool:
+        return self.hear(heartbeat(vehicle_type, autopilot), system, component, link)
 
     def run_until(self, t_s: float, every: Callable[[], None] | None = None) -> None:
         """Advance the clock from deadline to deadline, as a loop does; ``every`` is called each 0.1 s."""

@@ -1,8 +1,10 @@
 """Asking the autopilot for its settings, on virtual time."""
 
+from itertools import pairwise
 from math import inf, nan
 
 import pytest
+from pymavlink.dialects.v20 import all as pymav
 
 from attest_mav.mavlink.component.companion import CompanionSettings
 from attest_mav.mavlink.component.vehicle_data import DataSettings
@@ -25,8 +27,20 @@ def tell(b, name, setting, value):
     b.companion.parameter_taken(ParameterSample("PARAM_VALUE", 1, 1, b.now_ns, name, setting, value))
 
 
-def names(b):
+FOR_FILTERS = {"INS_GYRO_FILTER", "GPS1_DELAY_MS", "GPS_DELAY_MS", "EKF2_GPS_DELAY", "SENS_GPS0_DELAY"}
+OF_COPTERS = [
+    "AHRS_TRIM_X", "AHRS_TRIM_Y", "AHRS_TRIM_Z", "AHRS_EKF_TYPE", "COMPASS_DEC", "COMPASS_AUTODEC",
+]  # fmt: skip
+OF_PLANES = [*OF_COPTERS[:3], "PTCH_TRIM_DEG", "FLIGHT_OPTIONS", "Q_ENABLE", *OF_COPTERS[3:]]
+
+
+def all_names(b):
     return [one.param_id for one in b.of_type("PARAM_REQUEST_READ")]
+
+
+def names(b):
+    """The names of settings that filters want."""
+    return [name for name in all_names(b) if name in FOR_FILTERS]
 
 
 def beat_until(b, t_s, autopilot=3, **ids):
@@ -42,7 +56,7 @@ def about_parameters(b):
 def test_parameters_are_asked_by_name_of_the_autopilots_exact_ids(curious):
     b = curious()
     beat_until(b, 0.5, system=7)
-    asked = b.of_type("PARAM_REQUEST_READ")
+    asked = b.of_type("PARAM_REQUEST_READ")[:2]
     assert [(m.target_system, m.target_component, m.param_index, m.param_id) for m in asked] == [
         (7, 1, -1, "INS_GYRO_FILTER"),
         (7, 1, -1, "GPS1_DELAY_MS"),
@@ -81,10 +95,79 @@ def test_who_asks_for_nothing_asks_for_no_parameters_and_listens(curious):
     assert about_parameters(b) == ["the autopilot's gyro low-pass is 40 Hz (INS_GYRO_FILTER)"]
 
 
-def test_parameter_values_are_only_framed_for_a_filter_that_wants_them(curious, dialect):
-    identifier = dialect.id_of("PARAM_VALUE")
-    assert identifier in curious().companion.wanted
-    assert identifier not in curious(VehicleSettings()).companion.wanted
+def test_what_tells_the_frame_of_an_attitude_is_framed_for_every_filter(curious, dialect):
+    wanted = curious(VehicleSettings()).companion.wanted
+    assert {dialect.id_of(name) for name in ("PARAM_VALUE", "AUTOPILOT_VERSION", "STATUSTEXT")} <= wanted
+
+
+@pytest.mark.parametrize(("vehicle_type", "expected"), [(2, OF_COPTERS), (1, OF_PLANES), (22, OF_PLANES)])
+def test_the_frame_of_the_attitude_is_asked_for_whatever_the_filter_wants(curious, vehicle_type, expected):
+    b = curious(VehicleSettings())
+    beat_until(b, 0.9, vehicle_type=vehicle_type)
+    assert all_names(b) == expected
+
+
+def test_of_px4_only_the_declination_is_asked_for(curious):
+    b = curious(VehicleSettings())
+    beat_until(b, 0.9, autopilot=12)
+    assert all_names(b) == ["EKF2_MAG_DECL"]
+
+
+def test_requests_are_spaced(curious):
+    b = curious()
+    b.vehicle_heartbeat()
+    counts = []
+    for step in range(12):
+        b.run_until(0.05 * step + 0.001)
+        counts.append(len(all_names(b)))
+    assert counts[-1] == len(OF_COPTERS) + 2
+    assert max(later - sooner for sooner, later in pairwise(counts)) == 1
+
+
+def test_a_plane_that_hovers_is_asked_for_more_and_for_its_quaternion(curious):
+    b = curious(VehicleSettings())
+    beat_until(b, 0.9, vehicle_type=1)
+    tell(b, "Q_ENABLE", Setting.HOVERS, 0.0)
+    beat_until(b, 1.5, vehicle_type=1)
+    assert not {"Q_TRIM_PITCH", "Q_TAILSIT_ENABLE", "Q_FRAME_CLASS"} & set(all_names(b))
+    assert "ATTITUDE_QUATERNION" not in {stream.name for stream in b.companion.data.stream_manager.streams}
+    tell(b, "Q_ENABLE", Setting.HOVERS, 1.0)
+    beat_until(b, 2.5, vehicle_type=1)
+    assert {"Q_TRIM_PITCH", "Q_TAILSIT_ENABLE", "Q_FRAME_CLASS"} <= set(all_names(b))
+    assert "ATTITUDE_QUATERNION" in {stream.name for stream in b.companion.data.stream_manager.streams}
+
+
+def version_requests(b):
+    commands = [m for m in b.of_type("COMMAND_LONG") if m.command == pymav.MAV_CMD_REQUEST_MESSAGE]
+    return [(m.target_system, m.target_component, m.param1) for m in commands]
+
+
+def test_the_version_is_asked_for_once_a_boot_and_of_ardupilot_alone(curious):
+    b = curious()
+    beat_until(b, 20.0, system=7)
+    asked = (7, 1, pymav.MAVLINK_MSG_ID_AUTOPILOT_VERSION)
+    assert version_requests(b) == [asked]
+    b.companion.ask_again(b.now_ns)
+    beat_until(b, 25.0, system=7)
+    assert version_requests(b) == [asked] * 2
+    for silent in (curious(asks=False), curious()):
+        beat_until(silent, 5.0, autopilot=12)
+        assert version_requests(silent) == []
+
+
+def test_a_trim_that_is_not_told_is_noted_once_and_a_told_one_by_who_takes_it_off(curious):
+    b = curious(VehicleSettings())
+    beat_until(b, 1.0)
+    tell(b, "COMPASS_DEC", Setting.DECLINATION, 0.1)
+    beat_until(b, 120.0)
+    assert [note for note in b.notes if note.startswith("the autopilot")] == [
+        "the autopilot does not tell its trim (AHRS_TRIM_X): a steady offset of its attitude is measured instead"
+    ]
+    told = curious(VehicleSettings())
+    beat_until(told, 1.0)
+    tell(told, "AHRS_TRIM_X", Setting.TRIM_X, 0.1)
+    beat_until(told, 120.0)
+    assert [note for note in told.notes if note.startswith("the autopilot")] == []
 
 
 def test_an_answer_ends_the_asking_and_is_said_once(curious):
@@ -172,7 +255,8 @@ def test_another_vehicle_is_asked_anew(curious):
     beat_until(b, 4.5, component=1)
     tell(b, "INS_GYRO_FILTER", Setting.LOW_PASS_HZ, 20.0)
     b.run_until(4.6)
-    assert [m.target_component for m in b.of_type("PARAM_REQUEST_READ")] == [140, 1]
+    asked = [m for m in b.of_type("PARAM_REQUEST_READ") if m.param_id == "INS_GYRO_FILTER"]
+    assert [m.target_component for m in asked] == [140, 1]
     assert len(about_parameters(b)) == 2
 
 
