@@ -39,6 +39,7 @@ def vehicle_snapshot(discovery: VehicleDiscovery, vehicle: Vehicle) -> VehicleSn
         is_present=discovery.present,
         kind=vehicle.kind,
         armed=vehicle.armed,
+        firmware=vehicle.firmware,
         settings=vehicle.settings,
         field=vehicle.field,
         speed_source=vehicle.speed_source,

@@ -7,7 +7,7 @@ reader makes rates of its own from two snapshots, whatever other readers do.
 from dataclasses import dataclass
 
 from attest_mav.estimation.events import Verdict
-from attest_mav.types import EarthField, Estimate, VehicleKind, VehicleSettings
+from attest_mav.types import EarthField, Estimate, VehicleKind, VehicleSettings, Version
 
 
 @dataclass(frozen=True)
@@ -72,8 +72,10 @@ class VehicleSnapshot:
     """How it can move."""
     armed: bool | None
     """None before its first heartbeat."""
+    firmware: Version | None
+    """Version of the autopilot's firmware, None while it is not known."""
     settings: VehicleSettings
-    """The autopilot's settings that filters use, as far as they are known."""
+    """The autopilot's settings that filters and the comparison use, as far as they are known."""
     field: EarthField
     """The Earth's field at its position."""
     speed_source: str
