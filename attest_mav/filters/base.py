@@ -97,7 +97,9 @@ class FilterInputs:
         self.zero_mean_velocity: Final = zero_mean_velocity
 
 
-@mypyc_attr(acyclic=True)  # floats and flags form no cycles; compiled, a state is made faster without the collector
+# Floats and flags form no cycles: compiled, a state is made faster without the collector. A filter outside the compiled
+# core may extend state and filter.
+@mypyc_attr(acyclic=True, allow_interpreted_subclasses=True)
 class FilterState:
     """What all states share; each filter adds its own fields, its innovation among them.
 
@@ -152,6 +154,7 @@ class FilterState:
         return nan
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class AttitudeFilter:
     """The protocol. Subclasses are frozen dataclasses of parameters.
 
