@@ -34,7 +34,7 @@ def printed(with_mag: bool) -> GradientDescent:
 
 
 def with_options(_with_mag: bool) -> GradientDescent:
-    """The gradient-descent filter with its options, as docs/filters.md recommends them."""
+    """The gradient-descent filter with its options, as docs/filters/gradient-descent.md recommends them."""
     return GradientDescent(beta=0.02, rest_bias=True, accel_time_s=2.5, heading_rate=0.01, field_gate=True)
 
 

@@ -2,7 +2,7 @@
 
 The gyro is integrated; each step also moves the quaternion at a fixed rate ``beta`` down the gradient of the misfit
 between the gravity and field directions that the attitude predicts and those that were measured. Equation numbers
-are the paper's; docs/filters.md says how its misprints are mended.
+are the paper's; docs/filters/gradient-descent.md corrects its misprints.
 
 The filter takes the accelerometer for gravity. It is at home at rest and under brief disturbances; in a sustained
 turn it leans with the vehicle. Four options, none of them the paper's, help it in a hand: see ``GradientDescent``.
@@ -83,7 +83,7 @@ class GradientDescent(AttitudeFilter):
     min_accel_g, max_accel_g: the accelerometer is used while its length is between them, in g. Without it the field is
     not used either: alone it would tilt the attitude.
 
-    The options, for what is held in a hand; they change what the step is given, docs/filters.md has what each is worth:
+    The options, for hand-held motion, change the input of the step; docs/measurements.md has the effect of each:
 
     rest_bias: learn the gyro's bias at rest. accel_time_s: low-pass the accelerometer in almost inertial axes with this
     time constant, s; the limits in g are then those of the outcome; 0 is off. heading_rate: correct the heading by a

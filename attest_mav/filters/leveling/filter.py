@@ -6,7 +6,7 @@ the accelerometer for gravity leans with the vehicle, and it finds the level fro
 assumes a vehicle that goes where it points; one that moves sideways must say how fast (``BodyVelocity.side``).
 
 The heading is carried beside it, as the north direction in the body: turned with the gyro, drawn to the magnetometer.
-docs/filters.md has the equations as mended.
+docs/filters/leveling.md has the equations as mended.
 """
 
 from dataclasses import dataclass

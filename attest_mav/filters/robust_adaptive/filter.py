@@ -3,8 +3,8 @@
 The state is the quaternion itself. The rows of a measurement are the three components of the unit specific force and
 the heading. A row whose innovation is too large for its variance counts less or not at all (robust, eqs. (15), (16));
 when the rows that are left still disagree more than they should, the prediction counts less (adaptive, eq. (28)).
-With both switched off it is the plain extended Kalman filter. docs/filters.md lists what is mended and why the
-recommended logic is not the printed one.
+With both switched off it is the plain extended Kalman filter. docs/filters/robust-adaptive.md lists the corrections to
+the paper, and why the recommended logic is not the printed one.
 
 The filter takes the accelerometer for gravity: it bears outliers, but not a turn that lasts.
 """

@@ -6,7 +6,7 @@ mostly tilt, and in manoeuvres heading. The magnetometer turns the heading only 
 telemetry does to the signals (truncation, low-pass, delays, aliasing) is undone or estimated.
 
 One filter serves every condition: it changes the rows that correct it, and says which (``Aid``).
-docs/flight.md has the equations, and what each part is worth.
+docs/filters/velocity-aided.md has the equations, docs/measurements.md the contribution of each part.
 """
 
 from dataclasses import dataclass, field, replace
