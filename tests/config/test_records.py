@@ -16,7 +16,8 @@ from attest_mav.errors import ConfigError
 from attest_mav.estimation.vehicle import SPEED_SOURCES
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.registry import default_filter, filter_names
-from attest_mav.mavlink.component.vehicle_data import IMU_MESSAGES, POSITION_MESSAGES
+from attest_mav.mavlink.component.vehicle_data import POSITION_MESSAGES
+from attest_mav.mavlink.constants import INERTIAL_MESSAGES
 from attest_mav.types import VehicleSettings
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -226,7 +227,7 @@ def test_scales_of_raw_readings_go_together():
 
 def test_the_words_to_choose_from_are_those_of_the_code():
     """The configuration holds them as names: it does not import the packages that act on them."""
-    assert set(get_args(ImuMessage)) == set(IMU_MESSAGES)
+    assert set(get_args(ImuMessage)) == set(INERTIAL_MESSAGES)
     assert get_args(SpeedSource) == SPEED_SOURCES
     assert get_args(VelocitySource) == ("GPS_RAW_INT", *POSITION_MESSAGES, "none")
     assert get_args(FilterConfig.__annotations__["name"]) == ("auto", *filter_names())

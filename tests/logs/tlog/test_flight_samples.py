@@ -4,6 +4,7 @@ import collections
 
 from attest_mav.logs.tlog.reader import TlogReader
 from attest_mav.mavlink.decode.decoder import Decoder
+from attest_mav.types import Estimator, EstimatorSample
 
 COPTER = {
     "HEARTBEAT": 319,
@@ -31,7 +32,11 @@ def test_every_message_of_the_copter_flight_gives_its_sample(dialect, data_folde
     decoder, samples = decoded(dialect, (data_folder / "sitl" / "copter_square.tlog").read_bytes())
     counts = collections.Counter(sample.source for sample in samples)
     gps = counts.pop("GPS_RAW_INT")
+    texts = [sample for sample in samples if sample.source == "STATUSTEXT"]
+    counts.pop("STATUSTEXT")
     assert counts == COPTER
+    assert [type(text) for text in texts] == [EstimatorSample, EstimatorSample]
+    assert [text.estimator for text in texts] == [Estimator.DCM, Estimator.EKF3]
     assert gps == 2 * (15578 - decoder.refused["GPS_RAW_INT"])
     assert set(decoder.refused) == {"GPS_RAW_INT"}
     assert decoder.refusals == {}
