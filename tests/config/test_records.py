@@ -10,14 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from attest_mav.config.filters import FilterConfig
-from attest_mav.config.records import Config, ImuMessage, LinkConfig, SpeedSource, VelocitySource, parse_config
+from attest_mav.config.records import Config, LinkConfig, SpeedSource, VelocitySource, parse_config
 from attest_mav.config.text import to_toml
 from attest_mav.errors import ConfigError
 from attest_mav.estimation.vehicle import SPEED_SOURCES
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.registry import default_filter, filter_names
 from attest_mav.mavlink.component.vehicle_data import POSITION_MESSAGES
-from attest_mav.mavlink.constants import INERTIAL_MESSAGES
 from attest_mav.types import VehicleSettings
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -225,9 +224,20 @@ def test_scales_of_raw_readings_go_together():
         parse_config("[raw_imu]\naccel_mps2 = 0.01", "x")
 
 
-def test_the_words_to_choose_from_are_those_of_the_code():
-    """The configuration holds them as names: it does not import the packages that act on them."""
-    assert set(get_args(ImuMessage)) == set(INERTIAL_MESSAGES)
+@pytest.mark.parametrize("name", ["attitude_quaternion", "attitude_quaternion_cov", "named_values"])
+def test_an_output_is_chosen_by_its_name_in_the_table(name):
+    (link,) = parse_config(f"[[link]]\nurl = 'sim:'\npublish = ['{name}']", "x").link
+    assert link.publish == (name,)
+
+
+@pytest.mark.parametrize("name", ["RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "SCALED_IMU3", "HIGHRES_IMU"])
+def test_every_inertial_message_can_be_named(name):
+    assert parse_config(f"[streams]\nimu_messages = ['{name}']", "x").streams.imu_messages == (name,)
+    assert name in outcome("[streams]\nimu_messages = ['GPS_RAW_INT']"), "a wrong name is answered with the right ones"
+
+
+def test_the_words_that_the_configuration_repeats_are_those_of_the_code():
+    """It does not import the packages that act on them, but for tables of names."""
     assert get_args(SpeedSource) == SPEED_SOURCES
     assert get_args(VelocitySource) == ("GPS_RAW_INT", *POSITION_MESSAGES, "none")
     assert get_args(FilterConfig.__annotations__["name"]) == ("auto", *filter_names())
