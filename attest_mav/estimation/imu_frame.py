@@ -39,9 +39,6 @@ SHOWN: Final = radians(0.05)
 """Smaller angles are not worth a note."""
 MAX_PAST: Final = 8
 """Changes that are remembered for notes."""
-NO_TRIM: Final = (0.0, 0.0, 0.0)
-NO_EULER: Final = (0.0, 0.0, 0.0)
-"""For the forms that need no angles."""
 
 
 class _Removed:
@@ -137,20 +134,21 @@ class ImuFrame:
 
     def _turned(self, sample: AttitudeSample, rule: FrameRule, view: HoverView) -> AttitudeSample | None:
         """The sample without trim and view."""
-        trim = NO_TRIM if rule.trim == TrimForm.NONE else self._trim()
+        none: Vec3 = (0.0, 0.0, 0.0)
+        trim = none if rule.trim == TrimForm.NONE else self._trim()
         if view == HoverView.YES:
             angle = hover_angle(self._vehicle)
             trim = self._trim()
-            q_nb = without_trim(TrimForm.MATRIX, trim, without_hover_view(sample.q_nb, angle), NO_EULER)
+            q_nb = without_trim(TrimForm.MATRIX, trim, without_hover_view(sample.q_nb, angle), none)
             return self._known(sample, q_nb, _Removed(trim, "pitch trim of the hover", angle), self._trim_is_told)
         pitch = self._pitch_trim() if rule.pitch_trim else 0.0
         sent = q_to_euler(sample.q_nb) if sample.euler is None else sample.euler
         euler = (sent[0], sent[1] + pitch, sent[2])
-        if rule.trim == TrimForm.EULER and trim != NO_TRIM and abs(euler[1] + trim[1]) > STEEPEST:
+        if rule.trim == TrimForm.EULER and trim != none and abs(euler[1] + trim[1]) > STEEPEST:
             self._refuse(sample, "its pitch is too near 90 degrees for a difference of Euler angles")
             return None
         q_nb = sample.q_nb if pitch == 0.0 else q_from_euler(euler[0], euler[1], euler[2])
-        if trim != NO_TRIM:
+        if trim != none:
             q_nb = without_trim(rule.trim, trim, q_nb, euler)
         if sample.form == AttitudeForm.EULER and sample.role == AttitudeRole.AUTOPILOT:
             self._fit.remember(sample.t_ns, q_nb)

@@ -16,7 +16,6 @@ TOGETHER_NS: Final = 5_000_000
 """Messages of one burst have time stamps that differ by no more."""
 ENOUGH: Final = 0.02
 """rad: the sums of differences must lie so far apart for a decision; it takes several pairs at a trim of a degree."""
-NO_EULER: Final = (0.0, 0.0, 0.0)
 
 
 class TrimFormFit:
@@ -39,7 +38,7 @@ class TrimFormFit:
         if self._t_ns < 0 or abs(wrapped_difference_ns(sample.t_ns, self._t_ns)) > TOGETHER_NS:
             return forms[0]
         for form in forms:
-            theirs = without_trim(form, trim, sample.q_nb, NO_EULER)
+            theirs = without_trim(form, trim, sample.q_nb, (0.0, 0.0, 0.0))
             self._sums[form] = self._sums.get(form, 0.0) + _apart(theirs, self._attitude)
         ordered = sorted(forms, key=lambda form: self._sums[form])
         if self._sums[ordered[1]] - self._sums[ordered[0]] > ENOUGH:
