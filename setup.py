@@ -11,10 +11,12 @@ from setuptools import setup
 
 CORE = [
     "types.py",
+    "innovation.py",
     "algebra.py",
     "matrices.py",
     "matrices4.py",
     "low_pass.py",
+    "plausible.py",
     "filters",
     "estimation",
     "mavlink",

@@ -32,6 +32,8 @@ from enum import IntEnum
 from math import isfinite, nan
 from typing import Final
 
+from attest_mav.innovation import Innovation
+
 Vec3 = tuple[float, float, float]
 Quat = tuple[float, float, float, float]
 Mat3 = tuple[Vec3, Vec3, Vec3]
@@ -350,11 +352,18 @@ class VelocitySample(Sample):
 
     def with_velocity(self, v_ned: Vec3) -> "VelocitySample":
         """The same sample with another velocity, m/s."""
+        return self._with(self.t_ns, v_ned)
+
+    def with_time(self, t_ns: int) -> "VelocitySample":
+        """The same sample of another instant, ns."""
+        return self._with(t_ns, self.v_ned)
+
+    def _with(self, t_ns: int, v_ned: Vec3) -> "VelocitySample":
         return VelocitySample(
             self.source,
             self.system,
             self.component,
-            self.t_ns,
+            t_ns,
             self.rx_ns,
             v_ned,
             self.vertical_known,
@@ -512,8 +521,8 @@ class Estimate:
     lane: the IMU message. filter_name: the filter. q_nb: body to NED, sign-continuous. rates: bias-corrected body
     angular rate, rad/s. north: what the heading refers to. tilt_sigma, heading_sigma: 1-sigma, rad, NaN where the
     filter has no covariance. dt_s: the step that led here, s. delay_s: how much later than usual the sample came, s.
-    velocity_nis, field_nis: normalised innovation squared of the velocity and of the magnetometer in this step, mean of
-    the axes; NaN where the step had none. sigma_is_proven: the sigmas cover the errors in flight too.
+    innovations: of the aids that had something to say in this step. sigma_is_proven: the sigmas cover the errors in
+    flight too.
     """
 
     def __init__(
@@ -529,8 +538,7 @@ class Estimate:
         heading_sigma: float,
         dt_s: float,
         delay_s: float = 0.0,
-        velocity_nis: float = nan,
-        field_nis: float = nan,
+        innovations: tuple[Innovation, ...] = (),
         sigma_is_proven: bool = False,
     ) -> None:
         self.lane: Final = lane
@@ -544,6 +552,5 @@ class Estimate:
         self.heading_sigma: Final = heading_sigma
         self.dt_s: Final = dt_s
         self.delay_s: Final = delay_s
-        self.velocity_nis: Final = velocity_nis
-        self.field_nis: Final = field_nis
+        self.innovations: Final = innovations
         self.sigma_is_proven: Final = sigma_is_proven

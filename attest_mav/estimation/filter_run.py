@@ -71,8 +71,7 @@ class FilterRun:
             state.heading_sigma,
             dt_s,
             delay_s,
-            state.velocity_nis,
-            state.field_nis,
+            state.innovations,
             state.sigma_is_proven,
         )
 

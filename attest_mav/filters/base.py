@@ -1,4 +1,4 @@
-"""What every filter is: a frozen record of parameters with ``initial`` and a pure ``step`` on an immutable state.
+"""The protocol of every filter: frozen parameters, an ``initial`` state, and a pure ``step`` from state to state.
 
 A snapshot is the state itself, a split run is a state kept and used again, and several lanes are several states of
 one filter. No filter reads a clock: ``dt_s`` is the time since the previous sample, on the sensor's clock.
@@ -10,6 +10,7 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
+from attest_mav.innovation import Innovation
 from attest_mav.types import AirspeedSource, ImuSample, North, Quat, Vec3, VehicleSettings, VelocitySample
 
 MAX_CORRECTION_DT_S: Final = 0.05
@@ -17,60 +18,55 @@ MAX_CORRECTION_DT_S: Final = 0.05
 
 
 class Start:
-    """Where a filter begins: the outcome of alignment.
-
-    q_nb: body to NED, heading as ``north`` says. gyro_bias: rad/s, zero if the vehicle was not still.
-    accel, mag: the averaged readings behind it (m/s^2; gauss or None). at_rest: whether the vehicle stood, as
-    far as can be told.
-    """
+    """Where a filter begins: the outcome of alignment."""
 
     def __init__(
         self, q_nb: Quat, gyro_bias: Vec3, north: North, accel: Vec3, mag: Vec3 | None, at_rest: bool = True
     ) -> None:
         self.q_nb: Final = q_nb
+        """Body to NED, heading as ``north`` says."""
         self.gyro_bias: Final = gyro_bias
+        """rad/s; zero if the vehicle was not still."""
         self.north: Final = north
+        """The north that the heading refers to."""
         self.accel: Final = accel
+        """Mean specific force behind the attitude, m/s^2."""
         self.mag: Final = mag
+        """Mean field, gauss, or None."""
         self.at_rest: Final = at_rest
+        """Whether the vehicle stood, as far as can be told."""
 
 
 class BodyVelocity:
-    """Velocity in the body at one instant, m/s.
-
-    forward: along the nose. side, down: along the body's y and z, 0 by assumption for a vehicle that goes where it
-    points. lateral_known: False where the vehicle can move sideways and how fast is not known. is_new: True only on
-    the sample that first carries this velocity.
-    """
+    """Velocity in the body at one instant, m/s."""
 
     def __init__(
         self, forward: float, side: float = 0.0, down: float = 0.0, lateral_known: bool = True, is_new: bool = True
     ) -> None:
         self.forward: Final = forward
+        """Along the nose."""
         self.side: Final = side
+        """Along the body's y, 0 by assumption for a vehicle that goes where it points."""
         self.down: Final = down
+        """Along the body's z, likewise."""
         self.lateral_known: Final = lateral_known
+        """False where the vehicle can move sideways and how fast is not known."""
         self.is_new: Final = is_new
+        """True only on the sample that first carries this velocity."""
 
 
 class Airspeed:
-    """Speed through the air, m/s, and where it comes from."""
+    """Speed through the air."""
 
     def __init__(self, speed: float, source: AirspeedSource) -> None:
         self.speed: Final = speed
+        """m/s."""
         self.source: Final = source
+        """Who measured or made it."""
 
 
 class FilterInputs:
-    """What is known besides the inertial sample, at the time of the sample.
-
-    body_velocity: for filters that level themselves by it; its source is a setting. stationary: the vehicle stands
-    still. latitude: rad; declination: rad, east positive; inclination: of the Earth's field below the horizontal, rad;
-    each NaN where it is not known. velocity: the newest one over ground, None while none is fresh enough. heading: from
-    another source than the magnetometer, rad from the filter's north, on the samples that carry one. airspeed: None
-    while none is fresh. goes_where_it_points: through the air the vehicle moves along its nose (a wing).
-    zero_mean_velocity: nothing says that the vehicle is under way, so its velocity may be assumed to average to zero.
-    """
+    """Everything known besides the inertial sample, at the time of the sample."""
 
     def __init__(
         self,
@@ -86,24 +82,45 @@ class FilterInputs:
         zero_mean_velocity: bool = True,
     ) -> None:
         self.body_velocity: Final = body_velocity
+        """For filters that level themselves by it; its source is a setting. None where nobody tells one."""
         self.stationary: Final = stationary
+        """The vehicle stands still."""
         self.latitude: Final = latitude
+        """rad, NaN where it is not known."""
         self.declination: Final = declination
+        """Of the Earth's field, rad, east positive; NaN where it is not known."""
         self.velocity: Final = velocity
+        """The newest velocity over ground, None while none is fresh enough. The same sample may come many times."""
         self.heading: Final = heading
+        """From another source than the magnetometer, rad from the filter's north; None on samples without one."""
         self.inclination: Final = inclination
+        """Of the Earth's field below the horizontal, rad, NaN where it is not known."""
         self.airspeed: Final = airspeed
+        """None while none is fresh."""
         self.goes_where_it_points: Final = goes_where_it_points
+        """Through the air the vehicle moves along its nose (a wing)."""
         self.zero_mean_velocity: Final = zero_mean_velocity
+        """True unless the vehicle is armed or fast: the filter may then assume that velocity averages to zero."""
+
+    def with_velocity(self, velocity: VelocitySample | None) -> "FilterInputs":
+        """The same inputs with another velocity over ground: an earlier one, one shifted in time, or none."""
+        return FilterInputs(
+            body_velocity=self.body_velocity,
+            stationary=self.stationary,
+            latitude=self.latitude,
+            declination=self.declination,
+            velocity=velocity,
+            heading=self.heading,
+            inclination=self.inclination,
+            airspeed=self.airspeed,
+            goes_where_it_points=self.goes_where_it_points,
+            zero_mean_velocity=self.zero_mean_velocity,
+        )
 
 
 @mypyc_attr(acyclic=True)  # floats and flags form no cycles; compiled, a state is made faster without the collector
 class FilterState:
-    """What all states share; each filter adds its own fields, its innovation among them.
-
-    q_nb: unit, body to NED. gyro_bias: rad/s, subtracted from the gyro. accel_used, mag_used: whether the last step
-    used that sensor. tilt_sigma, heading_sigma: 1-sigma in rad, NaN for a filter without covariance.
-    """
+    """The part that all states share; each filter adds its own fields."""
 
     def __init__(
         self,
@@ -115,11 +132,17 @@ class FilterState:
         heading_sigma: float = nan,
     ) -> None:
         self.q_nb: Final = q_nb
+        """Body to NED, unit length."""
         self.gyro_bias: Final = gyro_bias
+        """rad/s, subtracted from the gyro."""
         self.accel_used: Final = accel_used
+        """Whether the last step took the accelerometer for gravity."""
         self.mag_used: Final = mag_used
+        """Whether the last step used the magnetometer."""
         self.tilt_sigma: Final = tilt_sigma
+        """1-sigma of the tilt, rad, NaN for a filter without covariance."""
         self.heading_sigma: Final = heading_sigma
+        """1-sigma of the heading, rad, NaN for a filter without covariance."""
 
     @property
     def aligned(self) -> bool:
@@ -128,7 +151,7 @@ class FilterState:
 
     @property
     def referred_to(self) -> North | None:
-        """What the heading refers to; None where the filter leaves that to its caller."""
+        """The north that the heading refers to; None where the filter leaves that to its caller."""
         return None
 
     @property
@@ -138,18 +161,13 @@ class FilterState:
 
     @property
     def rests_on(self) -> str:
-        """What keeps the attitude from drifting at present, in words; "" for a filter that always does the same."""
+        """The aid that keeps the attitude from drifting, in words; "" for a filter that always does the same."""
         return ""
 
     @property
-    def velocity_nis(self) -> float:
-        """Normalised innovation squared of this step's velocity, mean of the axes; NaN without one."""
-        return nan
-
-    @property
-    def field_nis(self) -> float:
-        """Normalised innovation squared of this step's magnetometer reading, mean of the axes; NaN without one."""
-        return nan
+    def innovations(self) -> tuple[Innovation, ...]:
+        """The records of the aids that had something to say in this step."""
+        return ()
 
 
 class AttitudeFilter:

@@ -1,11 +1,11 @@
 """Attitudes of one filter or autopilot against the reference, sample by sample."""
 
 from collections import deque
-from math import nan
 from typing import Final, Protocol
 
 from attest_mav.algebra import heading_between, tilt_between
 from attest_mav.estimation.timebase import WRAP_NS
+from attest_mav.innovation import Innovation
 from attest_mav.replay.consistency import Consistency
 from attest_mav.replay.metrics import SURE, ErrorColumns
 from attest_mav.replay.reference_track import MEMORY_NS, ReferenceTrack
@@ -24,8 +24,7 @@ class Attitude:
         tilt_sigma: float,
         heading_sigma: float,
         counted: bool,
-        velocity_nis: float = nan,
-        field_nis: float = nan,
+        innovations: tuple[Innovation, ...] = (),
     ) -> None:
         self.t_ns: Final = t_ns % WRAP_NS  # 32-bit clocks wrap, others do not: here all do
         """Sensor clock, ns."""
@@ -39,8 +38,8 @@ class Attitude:
         """Standard deviation of the heading, rad; NaN if unknown."""
         self.counted: Final = counted
         """True after the time that is left out of the figures."""
-        self.velocity_nis: Final = velocity_nis
-        self.field_nis: Final = field_nis
+        self.innovations: Final = innovations
+        """Of the aids that had something to say in this step."""
 
 
 class ComparedAttitude:
@@ -98,7 +97,7 @@ class Comparison:
 
     def _compare(self, attitude: Attitude) -> None:
         if attitude.counted:
-            self.consistency.take_step(attitude.tilt_sigma, attitude.velocity_nis, attitude.field_nis)
+            self.consistency.take_step(attitude.tilt_sigma, attitude.innovations)
         tilt: float | None = None
         heading: float | None = None
         truth = self._reference.at(attitude.t_ns)

@@ -11,6 +11,8 @@ smaller if the filter allows for correlated errors.
 from math import isfinite, sqrt
 from typing import Final
 
+from attest_mav.innovation import Aid, Innovation
+
 
 class SigmaCount:
     """Counts errors by their size in sigmas."""
@@ -80,9 +82,12 @@ class Consistency:
         self.has_sigma = False
         """True once an estimate had a tilt sigma."""
 
-    def take_step(self, tilt_sigma: float, velocity_nis: float, field_nis: float) -> None:
-        """Take the tilt sigma (rad) and the normalised innovations squared of a step."""
+    def take_step(self, tilt_sigma: float, innovations: tuple[Innovation, ...]) -> None:
+        """Take the tilt sigma (rad) and the innovations of a step."""
         if isfinite(tilt_sigma):
             self.has_sigma = True
-        self.velocity.add(velocity_nis)
-        self.magnetometer.add(field_nis)
+        for innovation in innovations:
+            if innovation.aid == Aid.VELOCITY:
+                self.velocity.add(innovation.nis)
+            elif innovation.aid == Aid.MAGNETOMETER:
+                self.magnetometer.add(innovation.nis)

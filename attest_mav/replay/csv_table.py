@@ -5,6 +5,7 @@ from math import degrees, isfinite
 from typing import Any, Final, Protocol
 
 from attest_mav.algebra import q_to_euler
+from attest_mav.innovation import Aid, Innovation
 from attest_mav.replay.comparison import ComparedAttitude
 
 HEADER: Final = (
@@ -25,8 +26,13 @@ HEADER: Final = (
     "tilt_sigma_deg",
     "heading_sigma_deg",
     "counted",
+    *(f"{aid.name.lower()}_{column}" for aid in Aid for column in ("fusion", "nis")),
 )
-"""t_s counts from the first inertial sample, on the sensor's clock; counted is 1 for rows that enter the figures."""
+"""t_s counts from the first inertial sample, on the sensor's clock; counted is 1 for rows that enter the figures.
+
+Each aid has two columns, filled in the steps in which it had something to say: what became of its measurement, and the
+normalised innovation squared.
+"""
 
 
 class TextSink(Protocol):
@@ -75,9 +81,20 @@ class CsvRows:
                 _degrees(attitude.tilt_sigma),
                 _degrees(attitude.heading_sigma),
                 int(attitude.counted and compared.tilt is not None),
+                *_aid_columns(attitude.innovations),
             )
         )
 
 
 def _degrees(angle: float | None) -> str:
     return "" if angle is None or not isfinite(angle) else f"{degrees(angle):.6f}"
+
+
+def _aid_columns(innovations: tuple[Innovation, ...]) -> list[str]:
+    """Fusion and normalised innovation squared of each aid, empty for those without a record."""
+    columns = [""] * (2 * len(Aid))
+    for innovation in innovations:
+        columns[2 * innovation.aid] = innovation.fusion.name.lower()
+        nis = innovation.nis
+        columns[2 * innovation.aid + 1] = f"{nis:.6f}" if isfinite(nis) else ""
+    return columns

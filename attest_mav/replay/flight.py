@@ -121,8 +121,7 @@ class Flight:
                 estimate.tilt_sigma,
                 estimate.heading_sigma,
                 elapsed_s >= run.aligned_s + self.window.skip_s,
-                estimate.velocity_nis,
-                estimate.field_nis,
+                estimate.innovations,
             )
         )
 

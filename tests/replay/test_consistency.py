@@ -6,6 +6,7 @@ from pymavlink.dialects.v20 import all as dialect_of_pymavlink
 
 from attest_mav.algebra import q_from_euler, q_heading
 from attest_mav.filters.registry import default_filter, filter_names
+from attest_mav.innovation import Aid, Fusion, Innovation
 from attest_mav.logs.tlog.source import TlogSource
 from attest_mav.replay.comparison import Attitude, Comparison
 from attest_mav.replay.consistency import NisMean, SigmaCount
@@ -51,7 +52,17 @@ def compared(*attitudes):
         track.add(k * MS, q_heading(0.0), None)
         q_nb = q_from_euler(radians(tilt), 0.0, radians(heading))
         sigmas = (radians(tilt_sigma), radians(heading_sigma))
-        comparison.add(Attitude(k * MS, 1e-3 * k, q_nb, North.TRUE, *sigmas, counted, 0.5 * k, nan))
+        comparison.add(
+            Attitude(
+                k * MS,
+                1e-3 * k,
+                q_nb,
+                North.TRUE,
+                *sigmas,
+                counted,
+                (Innovation(Aid.VELOCITY, Fusion.USED, 0, (), (1.0,), (1.0 / (0.5 * k),)),) if k else (),
+            )
+        )
     return comparison
 
 

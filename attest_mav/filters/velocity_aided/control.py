@@ -1,94 +1,46 @@
-"""One step of the flight filter after alignment: dead reckoning, then the rows that the moment offers.
+"""One step of the flight filter after alignment: prediction, then the aids that the moment offers.
 
-*Control* (which rows, and what they are called) is here; *correction* (how a row is made) is in the modules below.
+*Control* is here: which aid starts, continues and stops, and by which conditions. *Correction*, how a measurement is
+made and fused, is in ``aids``.
 """
 
-from enum import IntEnum
 from math import hypot, inf
 from typing import Final
 
-from mypy_extensions import mypyc_attr
-
 from attest_mav.algebra import add, norm, scale
 from attest_mav.filters.base import FilterInputs
-from attest_mav.filters.velocity_aided.aids.airspeed import FLYING_SPEED, Wind, estimate_wind, fuse_airspeed
-from attest_mav.filters.velocity_aided.aids.gnss_velocity import (
-    MAX_VELOCITY,
-    GnssVelocity,
-    aged,
-    fix_is_due,
-    fuse_velocity,
+from attest_mav.filters.velocity_aided.aids.airspeed import (
+    airspeed_ahead,
+    estimate_wind,
+    fuse_airspeed,
+    has_airspeed_of_flight,
 )
+from attest_mav.filters.velocity_aided.aids.fallback import SPACING_S, Fallback
+from attest_mav.filters.velocity_aided.aids.field import levelled_field
+from attest_mav.filters.velocity_aided.aids.gnss_velocity import GnssVelocity, fix_is_due, fuse_velocity
 from attest_mav.filters.velocity_aided.aids.gravity import fuse_gravity
-from attest_mav.filters.velocity_aided.aids.magnetometer import (
-    Magnetometer,
-    field_of,
-    fuse_magnetometer,
-    reading_is_due,
-    skip_reading,
-)
-from attest_mav.filters.velocity_aided.aids.pseudo_measurement import SPACING_S
+from attest_mav.filters.velocity_aided.aids.magnetometer import Magnetometer, fuse_magnetometer, reading_is_due
 from attest_mav.filters.velocity_aided.aids.zero_mean_velocity import fuse_zero_mean_velocity
 from attest_mav.filters.velocity_aided.aids.zero_motion import Stationary, detect, fuse_zero_motion
-from attest_mav.filters.velocity_aided.nav_state import NavigationState, body_rate, with_variances
+from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
+from attest_mav.filters.velocity_aided.nav_state import NavigationState, body_rate
+from attest_mav.filters.velocity_aided.navigation import AidingMode, Navigation
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.filters.velocity_aided.prediction import ImuMemory, Reading, predict, with_attitude
-from attest_mav.types import ImuSample, Vec3, VelocitySample
+from attest_mav.filters.velocity_aided.prediction import ImuMemory, predict
+from attest_mav.filters.velocity_aided.reading import Reading, field_of
+from attest_mav.innovation import Aid, Fusion, Innovation
+from attest_mav.types import ImuSample, VelocitySample
 
 LOST_S: Final = 2.0
-"""Without a fix for this long the velocity counts as lost."""
+"""Without a fix for this long the velocity counts as lost, s."""
 REJECTED_S: Final = 5.0
-"""A field that disagrees with the heading for longer makes the heading doubtful."""
+"""A field that disagrees with the heading for longer makes the heading less certain, s."""
 REJECTED_HEADING_NOISE: Final = 0.0087
 """rad per root s: how fast."""
-
-
 STANDING_SPEED: Final = 1.0
-"""m/s: of a vehicle that moves faster the velocity knows the heading better than a disturbed field."""
-
-
-class AidingMode(IntEnum):
-    """What keeps the attitude from drifting."""
-
-    VELOCITY = 0
-    """Velocity gnss."""
-    STATIONARY = 1
-    """The vehicle stands still."""
-    COASTING = 2
-    """Nothing yet: the gnss have stopped, the velocity is carried on."""
-    AIRSPEED = 3
-    """The airspeed of a wing, with the wind as it was."""
-    GRAVITY = 4
-    """The mean specific force."""
-    ZERO_MEAN_VELOCITY = 5
-    """Motion that stays in place: the mean velocity is zero."""
-
-
-@mypyc_attr(acyclic=True)
-class Navigation:
-    """Everything that a step needs of the one before. declination: rad, 0 while it is not known."""
-
-    def __init__(
-        self,
-        estimate: NavigationState,
-        imu: ImuMemory,
-        gnss: GnssVelocity,
-        magnetometer: Magnetometer,
-        stationary: Stationary,
-        wind: Wind,
-        declination: float,
-        declination_known: bool,
-        mode: AidingMode,
-    ) -> None:
-        self.estimate: Final = estimate
-        self.imu: Final = imu
-        self.gnss: Final = gnss
-        self.magnetometer: Final = magnetometer
-        self.stationary: Final = stationary
-        self.wind: Final = wind
-        self.declination: Final = declination
-        self.declination_known: Final = declination_known
-        self.mode: Final = mode
+"""m/s: of a faster vehicle the velocity knows the heading better than a disturbed field."""
+NO_FALLBACK: Final = Fallback(0.0, None)
+"""While fixes arrive the fallback timer is reset, because no fallback is needed."""
 
 
 def navigate(
@@ -99,111 +51,115 @@ def navigate(
     dt_s: float,
     parameters: FlightParameters,
 ) -> Navigation:
-    """The flight ``dt_s`` later, at the reading taken then."""
-    aided = before.gnss.since_fused_s < LOST_S
-    nav, imu = predict(before.estimate, before.imu, reading, dt_s, sample.t_ns, aided, parameters)
-    gnss = aged(before.gnss, dt_s)
+    """The navigation ``dt_s`` later, at the reading taken then."""
+    has_north = before.gnss.since_fused_s < LOST_S
+    nav, imu = predict(before.estimate, before.imu, reading, dt_s, sample.t_ns, has_north, parameters)
+    gnss = before.gnss.aged(dt_s)
     estimates_sensors = not before.stationary.is_settled
     fix = inputs.velocity
     if fix is not None and fix_is_due(gnss, fix, parameters):
         nav, gnss = fuse_velocity(nav, imu.history, gnss, fix, estimates_sensors, parameters)
+    has_velocity = gnss.since_fused_s < LOST_S
     stationary = detect(before.stationary, reading, _speed_against_rest(fix, inputs), dt_s)
-    nav, stationary = fuse_zero_motion(nav, stationary, gnss.since_fused_s < LOST_S, estimates_sensors, parameters)
+    nav, stationary = fuse_zero_motion(nav, stationary, has_velocity, estimates_sensors, sample.t_ns, parameters)
     mode = _aiding_mode(gnss, stationary, inputs, parameters)
-    nav, wind = _fuse_fallback(nav, before.wind, mode, imu.specific_force, inputs, dt_s, parameters)
-    rate = body_rate(nav, scale(add(before.imu.gyro, reading.gyro), 0.5))
-    nav, magnetometer = _fuse_heading(nav, before, sample, rate, dt_s, estimates_sensors, parameters)
+    wind, fallback = before.wind, NO_FALLBACK
+    if mode == AidingMode.VELOCITY:
+        wind = estimate_wind(wind, nav, airspeed_ahead(inputs), dt_s)
+    else:
+        nav, fallback = _fuse_fallback(nav, before, mode, imu, inputs, dt_s, parameters)
+    nav, magnetometer = _fuse_field(nav, before, reading, sample, dt_s, parameters)
     return Navigation(
         nav,
-        with_attitude(imu, nav),
+        imu.with_attitude(nav),
         gnss,
         magnetometer,
         stationary,
         wind,
+        fallback,
         before.declination,
-        before.declination_known,
         mode,
+        has_stepped=True,
     )
 
 
 def _speed_against_rest(fix: VelocitySample | None, inputs: FilterInputs) -> float:
-    """What speaks against rest, m/s. Under way and without a fix nothing is known: cruise is as quiet as a desk."""
+    """Speed used by the stationary detector, m/s.
+
+    Infinite when under way without a fix, because steady cruise is as quiet as standing.
+    """
     if fix is not None:
         return norm(fix.v_ned)
     return 0.0 if inputs.zero_mean_velocity else inf
 
 
-def has_wing_airspeed(inputs: FilterInputs) -> bool:
-    """True when the air speed is that of a wing in flight."""
-    return _wing_speed(inputs) > FLYING_SPEED
-
-
 def _aiding_mode(
     gnss: GnssVelocity, stationary: Stationary, inputs: FilterInputs, parameters: FlightParameters
 ) -> AidingMode:
-    """What the attitude rests on now."""
+    """Which aid holds the attitude now, by starting conditions in the order of worth."""
     if gnss.since_fused_s < LOST_S:
         return AidingMode.VELOCITY
     if stationary.is_stationary:
         return AidingMode.STATIONARY
-    if has_wing_airspeed(inputs):
+    if has_airspeed_of_flight(inputs):
         return AidingMode.AIRSPEED
-    if not gnss.source and inputs.zero_mean_velocity:
+    never_had_velocity = gnss.last is None
+    if never_had_velocity and inputs.zero_mean_velocity:
         return AidingMode.ZERO_MEAN_VELOCITY
-    return AidingMode.COASTING if gnss.source and gnss.since_fused_s < parameters.coast_s else AidingMode.GRAVITY
-
-
-def _wing_speed(inputs: FilterInputs) -> float:
-    """Airspeed of a vehicle that goes where it points, m/s; 0 where there is none that can be used."""
-    airspeed = inputs.airspeed
-    if airspeed is None or not inputs.goes_where_it_points:
-        return 0.0
-    return airspeed.speed if 0.0 < airspeed.speed < MAX_VELOCITY else 0.0
+    carries_velocity_on = not never_had_velocity and gnss.since_fused_s < parameters.coast_s
+    return AidingMode.COASTING if carries_velocity_on else AidingMode.GRAVITY
 
 
 def _fuse_fallback(
     nav: NavigationState,
-    wind: Wind,
+    before: Navigation,
     mode: AidingMode,
-    specific_force: Vec3,
+    imu: ImuMemory,
     inputs: FilterInputs,
     dt_s: float,
     parameters: FlightParameters,
-) -> tuple[NavigationState, Wind]:
-    """Motion and wind after what takes the place of gnss."""
-    speed = _wing_speed(inputs)
-    if mode == AidingMode.VELOCITY:
-        return nav, estimate_wind(wind, nav, speed, dt_s)
-    since_update_s = wind.since_update_s + dt_s
-    if since_update_s < SPACING_S:
-        return nav, Wind(wind.velocity, wind.averaged_s, since_update_s)
+) -> tuple[NavigationState, Fallback]:
+    """State and timer after the aid that takes the place of velocity fixes, if it is due."""
+    since_s = before.fallback.since_update_s + dt_s
+    if since_s < SPACING_S:
+        return nav, Fallback(since_s, None)
+    t_ns = imu.history.newest.t_ns
+    innovation: Innovation | None = None
     if mode == AidingMode.AIRSPEED:
-        nav = fuse_airspeed(nav, Wind(wind.velocity, wind.averaged_s, since_update_s), speed, parameters)
+        wind, airspeed = before.wind.velocity, airspeed_ahead(inputs)
+        nav, innovation = fuse_airspeed(nav, wind, airspeed, since_s, t_ns, parameters)
     elif mode == AidingMode.GRAVITY:
-        nav = fuse_gravity(nav, specific_force, since_update_s, parameters)
+        nav, innovation = fuse_gravity(nav, imu.specific_force, since_s, t_ns, parameters)
     elif mode == AidingMode.ZERO_MEAN_VELOCITY:
-        nav = fuse_zero_mean_velocity(nav, since_update_s, parameters)
-    return nav, Wind(wind.velocity, wind.averaged_s, 0.0)
+        nav, innovation = fuse_zero_mean_velocity(nav, since_s, t_ns, parameters)
+    return nav, Fallback(0.0, innovation)
 
 
-def _fuse_heading(
+def _fuse_field(
     nav: NavigationState,
     before: Navigation,
+    reading: Reading,
     sample: ImuSample,
-    rate: Vec3,
     dt_s: float,
-    estimates_sensors: bool,
     parameters: FlightParameters,
 ) -> tuple[NavigationState, Magnetometer]:
-    """Motion and compass after the magnetometer's reading, if it is a new one."""
+    """State and magnetometer memory after the sample's field, if it is a new one."""
+    memory = before.magnetometer
     field = field_of(sample)
-    if field is None or not reading_is_due(before.magnetometer, sample, dt_s, parameters):
-        return nav, skip_reading(before.magnetometer, sample, dt_s)
-    nav, magnetometer = fuse_magnetometer(
-        nav, before.magnetometer, sample, field, rate, dt_s, before.declination, estimates_sensors, parameters
-    )
+    if field is None:
+        is_new = sample.mag is not None and sample.mag != memory.last_reading
+        unusable = Innovation(Aid.MAGNETOMETER, Fusion.IMPLAUSIBLE, sample.t_ns) if is_new else None
+        return nav, memory.skipped(sample, dt_s, unusable)
+    if not reading_is_due(memory, sample, dt_s, parameters):
+        return nav, memory.skipped(sample, dt_s, None)
+    rate = body_rate(nav, scale(add(before.imu.gyro, reading.gyro), 0.5))
+    levelled = levelled_field(nav, field, rate, before.assumed_declination)
+    estimates_sensors = not before.stationary.is_settled
+    nav, magnetometer = fuse_magnetometer(nav, memory, sample, levelled, dt_s, estimates_sensors, parameters)
     # The vertical velocity is not always measured, and then drifts.
-    moving = before.gnss.since_fused_s < LOST_S and hypot(nav.velocity[0], nav.velocity[1]) > STANDING_SPEED
-    if magnetometer.since_accepted_s > REJECTED_S and not moving:
-        nav = with_variances(nav, 0.0, REJECTED_HEADING_NOISE**2 * (before.magnetometer.since_reading_s + dt_s))
+    horizontal_speed = hypot(nav.velocity[0], nav.velocity[1])
+    velocity_shows_heading = before.gnss.since_fused_s < LOST_S and horizontal_speed > STANDING_SPEED
+    if magnetometer.since_accepted_s > REJECTED_S and not velocity_shows_heading:
+        since_s = memory.since_reading_s + dt_s
+        nav = nav.with_added_variance(ErrorBlock.ATTITUDE, (0.0, 0.0, REJECTED_HEADING_NOISE**2 * since_s))
     return nav, magnetometer

@@ -1,65 +1,62 @@
 """Velocity-aided flight filter: the attitude of a vehicle that manoeuvres, from its velocity.
 
 In flight the accelerometer does not show gravity, but it shows how the velocity must change if the attitude is right.
-The filter integrates gyro and accelerometer and compares with the velocity fixes of the receiver; what disagrees is
-mostly tilt, and in manoeuvres heading. The magnetometer turns the heading only as far as the velocity lets it. What
-telemetry does to the signals (truncation, low-pass, delays, aliasing) is undone or estimated.
+The filter integrates gyro and accelerometer and compares with the velocity fixes of the receiver; the difference is
+mostly tilt, and in manoeuvres heading. The magnetometer turns the heading only as far as the velocity lets it. Each
+effect of telemetry (truncation, low-pass, delays, aliasing) is corrected or estimated.
 
-One filter serves every condition: it changes the rows that correct it, and says which (``Aid``).
-docs/flight.md has the equations, and what each part is worth.
+One filter serves every condition: it changes the aids that correct it, and says which (``AidingMode``).
+docs/flight.md has the equations, and the figures with each part left out. An integrated navigation without position:
+Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., chapter 14.
 """
 
 from dataclasses import dataclass, field, replace
 from math import asin, exp, hypot, isfinite, nan, pi
 from typing import Final, cast
 
-from attest_mav.algebra import (
-    clamp,
-    heading_between,
-    is_finite,
-    norm,
-    q_continuous,
-    q_exp,
-    q_mul,
-    scale,
-    sub,
-    tilt_between,
-)
+from attest_mav.algebra import clamp, heading_between, q_continuous, q_exp, q_mul, scale, sub, tilt_between
 from attest_mav.filters.base import AttitudeFilter, FilterInputs, FilterState, Start
+from attest_mav.filters.velocity_aided.aids.field import FieldResidual, field_residual
 from attest_mav.filters.velocity_aided.aids.gnss_velocity import low_pass_delay_s
-from attest_mav.filters.velocity_aided.aids.magnetometer import field_of
 from attest_mav.filters.velocity_aided.alignment.collect import Alignment, accumulate, new_alignment
-from attest_mav.filters.velocity_aided.alignment.initialize import initialize, with_declination
-from attest_mav.filters.velocity_aided.alignment.solve import ASSUMED_GRAVITY_TILT, AlignmentMethod, solve_alignment
-from attest_mav.filters.velocity_aided.control import AidingMode, Navigation, has_wing_airspeed, navigate
-from attest_mav.filters.velocity_aided.nav_state import NavigationState, body_rate, is_sound
+from attest_mav.filters.velocity_aided.alignment.initialize import first_navigation, restarted_navigation
+from attest_mav.filters.velocity_aided.alignment.solve import (
+    ASSUMED_GRAVITY_TILT,
+    AlignmentMethod,
+    InitialState,
+    solve_alignment,
+)
+from attest_mav.filters.velocity_aided.control import navigate
+from attest_mav.filters.velocity_aided.nav_state import NavigationState, body_rate
+from attest_mav.filters.velocity_aided.navigation import AidingMode, Navigation
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.filters.velocity_aided.prediction import MAX_RATE, Reading, read
+from attest_mav.filters.velocity_aided.reading import Reading, read
 from attest_mav.filters.velocity_aided.state import VelocityAidedState
+from attest_mav.plausible import is_rate
 from attest_mav.types import ImuSample, Quat, Vec3, VehicleSettings
 
 LONGEST_STEP_S: Final = 1.0
-"""After a longer gap the attitude is lost, and alignment begins again."""
+"""After a longer gap the attitude is lost, and alignment begins again, s."""
 MAX_TILT_SIGMA: Final = 0.6
-"""rad: with a tilt less certain than this the rows are not linear in the error any more, and lead astray."""
+"""rad: with a tilt less certain than this the measurements are not linear in the error any more, and lead astray."""
 RESET_SIGMA_S: Final = 10.0
-"""When fixes contradict an attitude and make another one of their own, either may be wrong: a receiver can freeze. The
-difference is doubt, which fades with this time constant while the fixes agree with what they made. An attitude that
-was guessed in motion begins with doubt too."""
+"""After a reset caused by velocity innovations, old and new attitude cannot both be right (the receiver may have
+frozen). Their difference is added to both sigmas and decays with this time constant, s, while innovations stay small.
+The same is done after a start in motion without a velocity."""
 RESET_SIGMA_GRAVITY_S: Final = 60.0
-"""The same while the mean specific force is all there is: it takes some turns until their accelerations cancel."""
+"""The same while gravity is the only aid, s: the accelerations of some turns must cancel."""
 
 
 def _reset_sigma_decay(navigation: Navigation, dt_s: float) -> float:
-    """The share of the doubt that is left after a step."""
+    """The share of the reset sigma that is left after a step."""
     if navigation.gnss.mean_nis >= 1.0 or navigation.mode == AidingMode.AIRSPEED:
-        # A wing's air speed holds an attitude, but does not find one: circling, it agrees with a wrong one for minutes.
+        # Airspeed alone does not make the attitude observable: in a circle it agrees with a wrong one for minutes.
         return 1.0
     return exp(-dt_s / (RESET_SIGMA_GRAVITY_S if navigation.mode == AidingMode.GRAVITY else RESET_SIGMA_S))
 
 
 def _attitude_jump(after: NavigationState, carried: Quat, before: NavigationState) -> float:
-    """How far a new attitude is from the old one carried on, rad; 0 while the old one's own sigmas explain it."""
+    """Angle between a new attitude and the old one carried on, rad; 0 while the old one's own sigmas explain it."""
     tilt, heading = tilt_between(after.q_nb, carried), abs(heading_between(after.q_nb, carried))
     explained = tilt < 3.0 * before.tilt_sigma and heading < 3.0 * before.heading_sigma
     return 0.0 if explained else max(tilt, heading)
@@ -67,14 +64,14 @@ def _attitude_jump(after: NavigationState, carried: Quat, before: NavigationStat
 
 @dataclass(frozen=True)
 class VelocityAided(AttitudeFilter):
-    """The filter with its parameters.
-
-    low_pass_from_vehicle, fix_delay_from_vehicle: whether the autopilot may tell better ones.
-    """
+    """The filter with its parameters."""
 
     parameters: FlightParameters = field(default_factory=FlightParameters)
+    """Noises, limits, and properties of the vehicle."""
     low_pass_from_vehicle: bool = True
+    """Whether the autopilot may tell a better ``low_pass_hz``."""
     fix_delay_from_vehicle: bool = True
+    """Whether the autopilot may tell a better ``fix_delay_s``."""
 
     @property
     def name(self) -> str:
@@ -88,24 +85,24 @@ class VelocityAided(AttitudeFilter):
 
     @property
     def default_settings(self) -> VehicleSettings:
-        """The parameters that are open."""
+        """The parameters that the vehicle may tell."""
         parameters = self.parameters
         return VehicleSettings(
             parameters.low_pass_hz if self.low_pass_from_vehicle else nan,
             parameters.fix_delay_s if self.fix_delay_from_vehicle else nan,
         )
 
-    def with_vehicle_settings(self, known_settings: VehicleSettings) -> "VelocityAided":
-        """The filter with the facts in its open parameters. One that flies estimates the delay from where it is."""
+    def with_vehicle_settings(self, known: VehicleSettings) -> "VelocityAided":
+        """The filter with the known settings. One that navigates goes on estimating the delay from where it is."""
         parameters = self.parameters
-        low_pass = self.low_pass_from_vehicle and isfinite(known_settings.low_pass_hz)
-        fix_delay = self.fix_delay_from_vehicle and isfinite(known_settings.fix_delay_s)
-        known = replace(
+        low_pass = self.low_pass_from_vehicle and isfinite(known.low_pass_hz)
+        fix_delay = self.fix_delay_from_vehicle and isfinite(known.fix_delay_s)
+        informed = replace(
             parameters,
-            low_pass_hz=known_settings.low_pass_hz if low_pass else parameters.low_pass_hz,
-            fix_delay_s=known_settings.fix_delay_s if fix_delay else parameters.fix_delay_s,
+            low_pass_hz=known.low_pass_hz if low_pass else parameters.low_pass_hz,
+            fix_delay_s=known.fix_delay_s if fix_delay else parameters.fix_delay_s,
         )
-        return VelocityAided(known, self.low_pass_from_vehicle, self.fix_delay_from_vehicle)
+        return VelocityAided(informed, self.low_pass_from_vehicle, self.fix_delay_from_vehicle)
 
     def valid(self, state: FilterState) -> bool:
         """True while the tilt is known well enough to judge others by it."""
@@ -118,30 +115,46 @@ class VelocityAided(AttitudeFilter):
     def step(self, state: FilterState, dt_s: float, sample: ImuSample, inputs: FilterInputs) -> VelocityAidedState:
         """One step; ``dt_s`` may be longer than 1 s: then alignment begins again."""
         before = cast("VelocityAidedState", state)
-        if not (is_finite(sample.gyro) and norm(sample.gyro) < MAX_RATE and dt_s > 0.0):
+        if not (is_rate(sample.gyro) and dt_s > 0.0):
             return before
         parameters = self.parameters
         navigation = before.navigation
         if navigation is None:
             reading = read(sample, (0.0, 0.0, -parameters.gravity))
             return self._align(before, None, reading, sample, inputs, dt_s)
-        navigation = with_declination(navigation, inputs.declination, parameters)
+        navigation = navigation.with_declination(inputs.declination, parameters)
         reading = read(sample, navigation.imu.accel)
         if before.alignment is not None or dt_s > LONGEST_STEP_S:
             return self._align(before, navigation, reading, sample, inputs, dt_s)
         navigation = navigate(navigation, reading, sample, inputs, dt_s, parameters)
-        if not is_sound(navigation.estimate):
-            return self._not_aligned(
-                before.q_nb, (0.0, 0.0, 0.0), new_alignment(reading, sample.t_ns), None, 0.0, False, 0.0
-            )
-        reset_by_innovations = navigation.gnss.mean_nis > parameters.restart_nis
-        if reset_by_innovations or navigation.estimate.tilt_sigma > MAX_TILT_SIGMA:
+        nav = navigation.estimate
+        if not nav.is_valid:
+            start = new_alignment(reading, sample.t_ns)
+            return _aligning_state(before.q_nb, (0.0, 0.0, 0.0), start, None, 0.0, False, 0.0)
+        contradicted = navigation.gnss.mean_nis > parameters.restart_nis
+        if contradicted or nav.tilt_sigma > MAX_TILT_SIGMA:
             # The velocity contradicts the attitude for too long, or too much was hidden by a saturated sensor.
-            bias, begun = navigation.estimate.gyro_bias, new_alignment(reading, sample.t_ns)
-            return self._not_aligned(
-                before.q_nb, bias, begun, navigation, 0.0, reset_by_innovations, before.reset_sigma
-            )
+            start = new_alignment(reading, sample.t_ns)
+            sigma = before.reset_sigma
+            return _aligning_state(before.q_nb, nav.gyro_bias, start, navigation, 0.0, contradicted, sigma)
         return self._navigating(navigation, before.q_nb, _reset_sigma_decay(navigation, dt_s) * before.reset_sigma)
+
+    def with_estimate(self, state: VelocityAidedState, estimate: NavigationState) -> VelocityAidedState:
+        """An aligned state with another estimate in it, as a hypothesis about the past is run again from."""
+        navigation = state.navigation
+        if navigation is None or state.alignment is not None:
+            return state
+        return self._navigating(navigation.with_estimate(estimate), state.q_nb, state.reset_sigma)
+
+    def field_residual(self, state: VelocityAidedState, sample: ImuSample, reference: Vec3) -> FieldResidual | None:
+        """The whole residual of the sample's magnetic field, for the state after that sample.
+
+        reference: the field's usual direction, unit vector in NED. None while the filter aligns, or without a field.
+        """
+        navigation = state.navigation
+        if navigation is None or state.alignment is not None:
+            return None
+        return field_residual(navigation.estimate, navigation.imu.gyro, sample, reference)
 
     def _align(
         self,
@@ -154,52 +167,27 @@ class VelocityAided(AttitudeFilter):
     ) -> VelocityAidedState:
         """One sample more for the alignment, or its end."""
         parameters = self.parameters
-        bias = before.gyro_bias
         alignment = before.alignment
-        reset_by_innovations = before.reset_by_innovations and dt_s <= LONGEST_STEP_S
         if alignment is None or dt_s > LONGEST_STEP_S or sample.saturated or alignment.began_saturated:
             alignment = new_alignment(reading, sample.t_ns)
         else:
-            new = field_of(sample) if sample.mag != alignment.last_mag else None
-            fix = inputs.velocity
-            flies = not inputs.zero_mean_velocity and has_wing_airspeed(inputs)
-            alignment = accumulate(alignment, reading, sample.mag, new, fix, flies, bias, dt_s, sample.t_ns, parameters)
-        inclination = inputs.inclination
-        if not isfinite(inclination) and navigation is not None:
-            inclination = asin(clamp(navigation.magnetometer.usual_inclination_sine, -1.0, 1.0))
-        declination = inputs.declination if isfinite(inputs.declination) else 0.0
-        if navigation is not None:
-            declination = navigation.declination + navigation.estimate.delays[2]
+            alignment = accumulate(alignment, reading, sample, inputs, before.gyro_bias, dt_s, parameters)
+        declination, inclination = _field_angles(navigation, inputs)
         initial = solve_alignment(alignment, declination, inclination, parameters)
         gap_s = before.gap_s + dt_s
+        by_innovations = before.reset_by_innovations and dt_s <= LONGEST_STEP_S
         if initial is None:
-            rotation = scale(sub(reading.gyro, bias), 0.5 * min(dt_s, LONGEST_STEP_S))
-            q_nb = q_mul(before.q_nb, q_exp(rotation))
-            return self._not_aligned(q_nb, bias, alignment, navigation, gap_s, reset_by_innovations, before.reset_sigma)
-        begun = initialize(initial, navigation, reading, sample.t_ns, bias, inputs.declination, gap_s, parameters)
-        reset_sigma = (
-            max(before.reset_sigma, ASSUMED_GRAVITY_TILT)
-            if initial.method == AlignmentMethod.ASSUMED_GRAVITY
-            else before.reset_sigma
-        )
-        if reset_by_innovations and navigation is not None:
-            reset_sigma = max(reset_sigma, _attitude_jump(begun.estimate, before.q_nb, navigation.estimate))
-        return self._navigating(begun, before.q_nb, reset_sigma)
-
-    def _not_aligned(
-        self,
-        q_nb: Quat,
-        bias: Vec3,
-        alignment: Alignment,
-        navigation: Navigation | None,
-        gap_s: float,
-        reset_by_innovations: bool,
-        reset_sigma: float,
-    ) -> VelocityAidedState:
-        """The state of an alignment that is not over."""
-        return VelocityAidedState(
-            q_nb, bias, False, False, pi, pi, alignment, navigation, gap_s, reset_by_innovations, reset_sigma
-        )
+            turn = scale(sub(reading.gyro, before.gyro_bias), 0.5 * min(dt_s, LONGEST_STEP_S))
+            q_nb = q_mul(before.q_nb, q_exp(turn))
+            sigma = before.reset_sigma
+            return _aligning_state(q_nb, before.gyro_bias, alignment, navigation, gap_s, by_innovations, sigma)
+        if navigation is None:
+            bias = before.gyro_bias
+            begun = first_navigation(initial, reading, sample.t_ns, bias, inputs.declination, parameters)
+        else:
+            begun = restarted_navigation(initial, navigation, reading, sample.t_ns, gap_s, parameters)
+        earlier = navigation.estimate if navigation is not None and by_innovations else None
+        return self._navigating(begun, before.q_nb, _reset_sigma(before, initial, begun, earlier))
 
     def _navigating(self, navigation: Navigation, previous: Quat, reset_sigma: float) -> VelocityAidedState:
         """The state that shows this estimate: the attitude now, not the one that the low-passed sensors see."""
@@ -219,3 +207,39 @@ class VelocityAided(AttitudeFilter):
             False,
             reset_sigma,
         )
+
+
+def _field_angles(navigation: Navigation | None, inputs: FilterInputs) -> tuple[float, float]:
+    """Declination and inclination of the field for an alignment, rad; inclination NaN where it is not known."""
+    inclination = inputs.inclination
+    if navigation is None:
+        return inputs.declination if isfinite(inputs.declination) else 0.0, inclination
+    usual = navigation.magnetometer.usual
+    if not isfinite(inclination) and usual is not None:
+        inclination = asin(clamp(usual.inclination_sine, -1.0, 1.0))
+    return navigation.assumed_declination + navigation.estimate.declination_error, inclination
+
+
+def _reset_sigma(
+    before: VelocityAidedState, initial: InitialState, begun: Navigation, earlier: NavigationState | None
+) -> float:
+    """The reset sigma at the end of an alignment, rad. earlier: the estimate that innovations contradicted, if any."""
+    sigma = before.reset_sigma
+    if initial.method == AlignmentMethod.ASSUMED_GRAVITY:
+        sigma = max(sigma, ASSUMED_GRAVITY_TILT)
+    return sigma if earlier is None else max(sigma, _attitude_jump(begun.estimate, before.q_nb, earlier))
+
+
+def _aligning_state(
+    q_nb: Quat,
+    bias: Vec3,
+    alignment: Alignment,
+    navigation: Navigation | None,
+    gap_s: float,
+    reset_by_innovations: bool,
+    reset_sigma: float,
+) -> VelocityAidedState:
+    """The state of an alignment that is not over."""
+    return VelocityAidedState(
+        q_nb, bias, False, False, pi, pi, alignment, navigation, gap_s, reset_by_innovations, reset_sigma
+    )

@@ -1,7 +1,8 @@
-"""A short history of velocity gains, so that a fix can be compared with the velocity of the time it belongs to.
+"""The delta-velocity history: a delayed fix is compared with the velocity of the time it belongs to.
 
-Only differences are ever taken, so corrections of the velocity leave the history valid; those of the attitude turn
-it by the correction, which within its length is negligible.
+Only differences are ever taken, so corrections of the velocity leave the history valid; those of the attitude turn it
+by the correction, which within its length is negligible. (For delayed measurements see Groves, Principles of GNSS,
+Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., chapter 3.)
 """
 
 from typing import Final
@@ -12,48 +13,55 @@ from attest_mav.algebra import add, scale, sub
 from attest_mav.types import Vec3
 
 LENGTH_NS: Final = 600_000_000
-"""The oldest fix that can be used is about this old: message age plus receiver delay."""
+"""Age of the oldest fix that can be used, ns: message age plus receiver delay."""
 SPACING_NS: Final = 8_000_000
-"""Faster samples are not all kept."""
+"""Least time between two points, ns: faster samples are not all kept."""
 FUTURE_NS: Final = 50_000_000
-"""A velocity without delay is newer than the low-passed sensors: by this much at most it is taken for theirs."""
+"""How far in the future a fix may lie and count as of now, ns: the low-passed sensors are late themselves."""
 
 
 @mypyc_attr(acyclic=True)
 class HistoryPoint:
-    """``gain``: integral of the specific force in NED from some origin to ``t_ns``, m/s."""
+    """The integral of the specific force up to one instant."""
 
     def __init__(self, t_ns: int, delta_velocity: Vec3) -> None:
         self.t_ns: Final = t_ns
+        """Sensor clock, ns."""
         self.delta_velocity: Final = delta_velocity
+        """Integral of the specific force from the history's origin, m/s, in axes that do not turn."""
 
 
 @mypyc_attr(acyclic=True)
 class DeltaVelocityHistory:
-    """``points`` are old to new, at most ``LENGTH_NS / SPACING_NS`` and two; ``head`` is the present."""
+    """The last 0.6 s of integrated specific force."""
 
     def __init__(self, points: tuple[HistoryPoint, ...], newest: HistoryPoint) -> None:
         self.points: Final = points
+        """Old to new, without the newest; at most ``LENGTH_NS / SPACING_NS`` and two."""
         self.newest: Final = newest
+        """The present."""
 
 
 @mypyc_attr(acyclic=True)
 class Lookback:
-    """What happened since an instant: the gain of specific force, m/s, its age, and the force of then, m/s^2; NED."""
+    """The motion between an instant and now."""
 
     def __init__(self, delta_velocity: Vec3, age_s: float, specific_force: Vec3) -> None:
         self.delta_velocity: Final = delta_velocity
+        """Integral of the specific force since the instant, m/s."""
         self.age_s: Final = age_s
+        """Age of the instant, s."""
         self.specific_force: Final = specific_force
+        """Specific force at the instant, m/s^2."""
 
 
 def empty_history(t_ns: int) -> DeltaVelocityHistory:
-    """An empty history that begins now."""
+    """A history that begins now."""
     return DeltaVelocityHistory((), HistoryPoint(t_ns, (0.0, 0.0, 0.0)))
 
 
 def appended(history: DeltaVelocityHistory, t_ns: int, delta_velocity: Vec3) -> DeltaVelocityHistory:
-    """The history with one more step, whose specific force integrates to ``push`` (NED, m/s).
+    """The history with one more step, whose specific force integrates to ``delta_velocity``, m/s.
 
     A clock that does not go on, as one of 32 bits that has wrapped, begins a new one.
     """
@@ -68,20 +76,19 @@ def appended(history: DeltaVelocityHistory, t_ns: int, delta_velocity: Vec3) -> 
 
 
 def look_back(history: DeltaVelocityHistory, t_ns: int) -> Lookback | None:
-    """What happened since ``t_ns``, None if that is before the history. The near future counts as now."""
+    """The motion since ``t_ns``, None if that is before the history. The near future counts as now."""
     newer = history.newest
     if t_ns > newer.t_ns:
         if t_ns > newer.t_ns + FUTURE_NS:
             return None
         t_ns = newer.t_ns
+    newest = history.newest
     for i in range(len(history.points) - 1, -1, -1):
         older = history.points[i]
         if older.t_ns <= t_ns:
             span_s = (newer.t_ns - older.t_ns) * 1e-9
             specific_force = scale(sub(newer.delta_velocity, older.delta_velocity), 1.0 / span_s)
             then = add(older.delta_velocity, scale(specific_force, (t_ns - older.t_ns) * 1e-9))
-            return Lookback(
-                sub(history.newest.delta_velocity, then), (history.newest.t_ns - t_ns) * 1e-9, specific_force
-            )
+            return Lookback(sub(newest.delta_velocity, then), (newest.t_ns - t_ns) * 1e-9, specific_force)
         newer = older
     return None

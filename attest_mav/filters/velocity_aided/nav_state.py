@@ -1,4 +1,9 @@
-"""What the filter estimates, and the one way in which a measurement row changes it."""
+"""The navigation state: the nominal state with the covariance of its errors, and its correction by a measurement.
+
+An error-state Kalman filter in closed loop: each correction goes into the nominal state at once, and the error is zero
+in the mean again (Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., chapter
+3; Sola, Quaternion kinematics for the error-state Kalman filter, sections 6 and 7).
+"""
 
 from math import sqrt
 from typing import Final
@@ -6,33 +11,32 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import add, clamp, dot, q_exp, q_mul, q_norm, q_unit, scale
-from attest_mav.filters.velocity_aided.covariance import (
-    Covariance,
+from attest_mav.filters.velocity_aided.covariance import Covariance
+from attest_mav.filters.velocity_aided.covariance_blocks import (
+    FIX_DELAY,
+    ErrorBlock,
+    decoupled,
+    with_added_variance,
+    with_component_restarted,
+    with_variance_floor,
+)
+from attest_mav.filters.velocity_aided.measurement import (
     CrossCovariance,
     Measurement,
-    ProcessNoise,
+    consider_updated,
     cross_covariance,
-    propagated,
-    updated_covariance,
-    with_sensor_blocks_of,
+    updated,
 )
-from attest_mav.matrices import floor_diagonal, no_negative_variance
+from attest_mav.matrices import diagonal
 from attest_mav.types import Mat3, Quat, Vec3
 
 LONGEST_DELAY_S: Final = 0.4
-"""Of a magnetometer or of velocity fixes: with the age of the message it lies within the history."""
+"""Largest delay that is estimated, s: with the age of the message it lies within the history."""
 
 
 @mypyc_attr(acyclic=True)
 class NavigationState:
-    """The estimate at the time of an inertial sample.
-
-    q_nb: body to NED. It is the attitude that the low-passed sensors see, which lags the true one by the low-pass.
-    velocity: NED, m/s. gyro_bias: rad/s, accel_bias: m/s^2, hard_iron: gauss; all in the body, all to be subtracted.
-    gyro_scale: share of each rate that is too much.
-    delays: (of the magnetometer, s; of the velocity fixes, s; magnetic north from where it is believed to be, rad).
-    p: covariance of the errors, see ``covariance``.
-    """
+    """The estimate at the time of an inertial sample."""
 
     def __init__(
         self,
@@ -42,202 +46,180 @@ class NavigationState:
         gyro_scale: Vec3,
         accel_bias: Vec3,
         hard_iron: Vec3,
-        delays: Vec3,
-        p: Covariance,
+        mag_delay_s: float,
+        fix_delay_s: float,
+        declination_error: float,
+        covariance: Covariance,
     ) -> None:
         self.q_nb: Final = q_nb
+        """Body to NED, as the low-passed sensors see it: behind the true attitude by the low-pass's group delay."""
         self.velocity: Final = velocity
+        """NED, m/s."""
         self.gyro_bias: Final = gyro_bias
+        """Body, rad/s; to be subtracted from the gyro."""
         self.gyro_scale: Final = gyro_scale
+        """Per axis of the body, 1: share of each rate that the gyro shows too much."""
         self.accel_bias: Final = accel_bias
+        """Body, m/s^2; to be subtracted from the accelerometer."""
         self.hard_iron: Final = hard_iron
-        self.delays: Final = delays
-        self.p: Final = p
+        """Body, gauss; to be subtracted from the magnetometer."""
+        self.mag_delay_s: Final = mag_delay_s
+        """How much older a magnetometer reading is than the inertial reading beside it, s."""
+        self.fix_delay_s: Final = fix_delay_s
+        """How much older a velocity fix is than its message says, s."""
+        self.declination_error: Final = declination_error
+        """True minus assumed declination, rad."""
+        self.covariance: Final = covariance
+        """Of the errors, see ``covariance``."""
 
     @property
     def tilt_sigma(self) -> float:
-        """Of the angle between true and estimated vertical, rad."""
-        return sqrt(max(0.0, self.p.tt[0][0] + self.p.tt[1][1]))
+        """1-sigma of the angle between true and estimated vertical, rad."""
+        return sqrt(self.covariance.tilt_variance)
 
     @property
     def heading_sigma(self) -> float:
-        """Of the turn about the vertical, rad."""
-        return sqrt(max(0.0, self.p.tt[2][2]))
+        """1-sigma of the rotation about the vertical, rad."""
+        return sqrt(self.covariance.heading_variance)
 
+    @property
+    def is_valid(self) -> bool:
+        """False once a variance is negative or not a number, or the quaternion has no unit length."""
+        return self.covariance.is_valid and 0.5 < q_norm(self.q_nb) < 2.0
 
-DEADBAND_RATE: Final = 0.05
-"""rad/s: of a turn slower than this no more is seen than noise."""
-DEADBAND_ACCEL: Final = 0.5
-"""m/s^2: the same of an acceleration."""
+    def propagated(self, q_nb: Quat, velocity: Vec3, covariance: Covariance) -> "NavigationState":
+        """The state with another attitude and velocity; the sensor errors stay."""
+        return NavigationState(
+            q_nb,
+            velocity,
+            self.gyro_bias,
+            self.gyro_scale,
+            self.accel_bias,
+            self.hard_iron,
+            self.mag_delay_s,
+            self.fix_delay_s,
+            self.declination_error,
+            covariance,
+        )
 
+    def restarted(self, q_nb: Quat, attitude: Mat3, velocity: Vec3, velocity_variance: float) -> "NavigationState":
+        """The state with a new attitude and velocity, independent of the sensor errors, which stay as they are known.
 
-def deadband(v: Vec3, least: float) -> Vec3:
-    """v, or zero where it is too small to be more than noise.
+        attitude: covariance of the attitude error, rad^2. velocity_variance: (m/s)^2 an axis.
+        """
+        p = decoupled(self.covariance, ErrorBlock.ATTITUDE, attitude)
+        return self.propagated(q_nb, velocity, decoupled(p, ErrorBlock.VELOCITY, diagonal(velocity_variance)))
 
-    What multiplies an error in a row or a step must be motion: noise would explain itself by it, and in hours at rest
-    the filter would believe in scales and delays that nothing has shown.
-    """
-    return v if dot(v, v) > least * least else (0.0, 0.0, 0.0)
+    def corrected(self, cross_cov: CrossCovariance, gain: float, covariance: Covariance) -> "NavigationState":
+        """The state after the correction ``gain`` times P h, which an error-state filter takes into the state at once.
 
+        The delays stay possible ones: a fix from the future, or from before the history, would match no measurement.
+        """
+        d = cross_cov.d
+        return NavigationState(
+            q_unit(q_mul(q_exp(scale(cross_cov.t, 0.5 * gain)), self.q_nb)),
+            add(self.velocity, scale(cross_cov.v, gain)),
+            add(self.gyro_bias, scale(cross_cov.b, gain)),
+            add(self.gyro_scale, scale(cross_cov.s, gain)),
+            add(self.accel_bias, scale(cross_cov.a, gain)),
+            add(self.hard_iron, scale(cross_cov.m, gain)),
+            clamp(self.mag_delay_s + gain * d[0], 0.0, LONGEST_DELAY_S),
+            clamp(self.fix_delay_s + gain * d[1], 0.0, LONGEST_DELAY_S),
+            self.declination_error + gain * d[2],
+            covariance,
+        )
 
-def body_rate(nav: NavigationState, gyro: Vec3) -> Vec3:
-    """The body's rate at this gyro reading, rad/s: without bias and scale error."""
-    x, y, z = gyro
-    b, s = nav.gyro_bias, nav.gyro_scale
-    return (x - b[0] - s[0] * x, y - b[1] - s[1] * y, z - b[2] - s[2] * z)
+    def with_delays(
+        self, mag_delay_s: float, fix_delay_s: float, declination_error: float, covariance: Covariance
+    ) -> "NavigationState":
+        """The state with other delays (s) and another declination error (rad)."""
+        return NavigationState(
+            self.q_nb,
+            self.velocity,
+            self.gyro_bias,
+            self.gyro_scale,
+            self.accel_bias,
+            self.hard_iron,
+            mag_delay_s,
+            fix_delay_s,
+            declination_error,
+            covariance,
+        )
 
+    def with_covariance(self, covariance: Covariance) -> "NavigationState":
+        """The same estimate with another covariance."""
+        return self.propagated(self.q_nb, self.velocity, covariance)
 
-def is_sound(nav: NavigationState) -> bool:
-    """True while the numbers mean something: variances that are not negative, and a quaternion of unit length."""
-    p = nav.p
-    return (
-        no_negative_variance(p.tt)
-        and no_negative_variance(p.vv)
-        and no_negative_variance(p.bb)
-        and no_negative_variance(p.ss)
-        and no_negative_variance(p.aa)
-        and no_negative_variance(p.mm)
-        and no_negative_variance(p.dd)
-        and 0.5 < q_norm(nav.q_nb) < 2.0
-    )
+    def with_added_variance(self, error: ErrorBlock, variance: Vec3) -> "NavigationState":
+        """The same estimate, one of its errors less certain by these variances."""
+        return self.with_covariance(with_added_variance(self.covariance, error, variance))
 
+    def with_variance_floor(self, error: ErrorBlock, least: float) -> "NavigationState":
+        """The same estimate, one of its errors known no better than this variance."""
+        return self.with_covariance(with_variance_floor(self.covariance, error, least))
 
-def predicted(
-    nav: NavigationState,
-    q_nb: Quat,
-    velocity: Vec3,
-    rotation_dt: Mat3,
-    delta_velocity: Vec3,
-    rate: Vec3,
-    noise: ProcessNoise,
-) -> NavigationState:
-    """The motion after a step that led to this attitude and velocity; the rest as in ``propagated``."""
-    return NavigationState(
-        q_nb,
-        velocity,
-        nav.gyro_bias,
-        nav.gyro_scale,
-        nav.accel_bias,
-        nav.hard_iron,
-        nav.delays,
-        propagated(nav.p, rotation_dt, delta_velocity, rate, noise),
-    )
+    def decoupled(self, error: ErrorBlock, variance: float) -> "NavigationState":
+        """The same estimate, one of its errors independent of all others and of this variance in each axis."""
+        return self.with_covariance(decoupled(self.covariance, error, diagonal(variance)))
+
+    def with_fix_delay(self, delay_s: float, sigma_s: float) -> "NavigationState":
+        """The state for fixes from another source: their delay is new, and no other error depends on it."""
+        p = with_component_restarted(self.covariance, ErrorBlock.DELAYS, FIX_DELAY, sigma_s * sigma_s)
+        return self.with_delays(self.mag_delay_s, delay_s, self.declination_error, p)
 
 
 def cross_covariance_of(nav: NavigationState, measurement: Measurement) -> CrossCovariance:
-    """What the state contributes to the row's residual."""
-    return cross_covariance(nav.p, measurement)
+    """P h of the measurement."""
+    return cross_covariance(nav.covariance, measurement)
 
 
 def update(
     nav: NavigationState, measurement: Measurement, cross_cov: CrossCovariance, variance: float
 ) -> NavigationState:
-    """The motion after one scalar measurement with this noise variance; ``seen`` is ``reach_of`` it."""
+    """The state after one measurement with this noise variance; ``cross_cov``: that of the measurement."""
     k = 1.0 / (cross_cov.state_variance + variance)
-    return _corrected(nav, cross_cov, k * measurement.residual, updated_covariance(nav.p, cross_cov, k))
+    return nav.corrected(cross_cov, k * measurement.residual, updated(nav.covariance, cross_cov, k))
 
 
 def consider_update(
     nav: NavigationState, measurement: Measurement, cross_cov: CrossCovariance, variance: float
 ) -> NavigationState:
-    """The motion after a row that teaches nothing of the sensors but the gyro's bias.
+    """The state after a measurement that considers the sensor errors instead of estimating them (Schmidt-Kalman).
 
-    That is for one which is only supposed to be true, because what it is wrong by lasts and would be taken for
-    theirs; and for any during a long rest, which shows the same again and again. They stay as they are and as
-    doubtful, and the rest allows for that (Schmidt's filter).
+    Gyro bias is estimated all the same. It serves pseudo-measurements, whose error lasts and would be explained by the
+    sensors, and every measurement during a long rest, which carries no new information about them.
     """
     k = 1.0 / (cross_cov.state_variance + variance)
-    zero: Vec3 = (0.0, 0.0, 0.0)
-    without_sensors = CrossCovariance(
-        cross_cov.t, cross_cov.v, cross_cov.b, zero, zero, zero, zero, cross_cov.state_variance
-    )
-    return _corrected(
-        nav,
-        without_sensors,
-        k * measurement.residual,
-        with_sensor_blocks_of(nav.p, updated_covariance(nav.p, cross_cov, k)),
-    )
+    covariance = consider_updated(nav.covariance, cross_cov, k)
+    return nav.corrected(cross_cov.without_sensors(), k * measurement.residual, covariance)
 
 
 def fuse(
     nav: NavigationState, measurement: Measurement, cross_cov: CrossCovariance, variance: float, estimates_sensors: bool
 ) -> NavigationState:
-    """The motion after a measurement, which teaches something of the sensors or not."""
-    return (
-        update(nav, measurement, cross_cov, variance)
-        if estimates_sensors
-        else consider_update(nav, measurement, cross_cov, variance)
-    )
+    """The state after a measurement that estimates the sensor errors, or considers them."""
+    if estimates_sensors:
+        return update(nav, measurement, cross_cov, variance)
+    return consider_update(nav, measurement, cross_cov, variance)
 
 
-def _corrected(nav: NavigationState, cross_cov: CrossCovariance, gain: float, p: Covariance) -> NavigationState:
-    return NavigationState(
-        q_unit(q_mul(q_exp(scale(cross_cov.t, 0.5 * gain)), nav.q_nb)),
-        add(nav.velocity, scale(cross_cov.v, gain)),
-        add(nav.gyro_bias, scale(cross_cov.b, gain)),
-        add(nav.gyro_scale, scale(cross_cov.s, gain)),
-        add(nav.accel_bias, scale(cross_cov.a, gain)),
-        add(nav.hard_iron, scale(cross_cov.m, gain)),
-        _clamped(add(nav.delays, scale(cross_cov.d, gain))),
-        p,
-    )
+DEADBAND_RATE: Final = 0.05
+"""rad/s: a slower rate is noise as a factor in a Jacobian."""
+DEADBAND_ACCEL: Final = 0.5
+"""m/s^2: the same for an acceleration."""
 
 
-def _clamped(delays: Vec3) -> Vec3:
-    """The delays as they can be: what is not measured yet, or long forgotten, would match no row ever again."""
-    return (clamp(delays[0], 0.0, LONGEST_DELAY_S), clamp(delays[1], 0.0, LONGEST_DELAY_S), delays[2])
+def deadband(v: Vec3, least: float) -> Vec3:
+    """v, or zero where it is shorter than ``least``.
 
-
-def with_variances(nav: NavigationState, bias_floor: float, heading_growth: float) -> NavigationState:
-    """The same motion, its gyro bias known no better than ``bias_floor`` and its heading less by ``heading_growth``.
-
-    Both are variances, (rad/s)^2 and rad^2.
+    Below this magnitude the factor is noise. It must not enter a Jacobian, or during hours at rest scale factor and
+    delay would be "estimated" from noise.
     """
-    p = nav.p
-    (a, b, c), (d, e, f), (g, h, i) = p.tt
-    return NavigationState(
-        nav.q_nb,
-        nav.velocity,
-        nav.gyro_bias,
-        nav.gyro_scale,
-        nav.accel_bias,
-        nav.hard_iron,
-        nav.delays,
-        Covariance(
-            ((a, b, c), (d, e, f), (g, h, i + heading_growth)), p.tv, p.tb, p.ts, p.ta, p.tm, p.td,
-            p.vv, p.vb, p.vs, p.va, p.vm, p.vd,
-            floor_diagonal(p.bb, bias_floor), p.bs, p.ba, p.bm, p.bd,
-            p.ss, p.sa, p.sm, p.sd, p.aa, p.am, p.ad, p.mm, p.md, p.dd,
-        ),
-    )  # fmt: skip
+    return v if dot(v, v) > least * least else (0.0, 0.0, 0.0)
 
 
-def with_fix_delay(nav: NavigationState, delay_s: float, sigma_s: float) -> NavigationState:
-    """The same motion with fixes from another source: their delay is new, and nothing is known to depend on it."""
-    p = nav.p
-    mag, _, north = nav.delays
-    (d1, _, d3), _, (d7, _, d9) = p.dd
-    return NavigationState(
-        nav.q_nb,
-        nav.velocity,
-        nav.gyro_bias,
-        nav.gyro_scale,
-        nav.accel_bias,
-        nav.hard_iron,
-        (mag, delay_s, north),
-        Covariance(
-            p.tt, p.tv, p.tb, p.ts, p.ta, p.tm, _without_middle(p.td),
-            p.vv, p.vb, p.vs, p.va, p.vm, _without_middle(p.vd),
-            p.bb, p.bs, p.ba, p.bm, _without_middle(p.bd),
-            p.ss, p.sa, p.sm, _without_middle(p.sd),
-            p.aa, p.am, _without_middle(p.ad),
-            p.mm, _without_middle(p.md),
-            ((d1, 0.0, d3), (0.0, sigma_s * sigma_s, 0.0), (d7, 0.0, d9)),
-        ),
-    )  # fmt: skip
-
-
-def _without_middle(m: Mat3) -> Mat3:
-    """m with its middle column zero."""
-    (a, _, c), (d, _, f), (g, _, i) = m
-    return ((a, 0.0, c), (d, 0.0, f), (g, 0.0, i))
+def body_rate(nav: NavigationState, gyro: Vec3) -> Vec3:
+    """The body's angular rate at this gyro reading, rad/s: without bias and scale error."""
+    x, y, z = gyro
+    b, s = nav.gyro_bias, nav.gyro_scale
+    return (x - b[0] - s[0] * x, y - b[1] - s[1] * y, z - b[2] - s[2] * z)

@@ -1,13 +1,13 @@
-"""State of the flight filter, and what it says of itself: whether it is aligned, and what the attitude rests on."""
+"""State of the flight filter: aligned or not, the aid that holds the attitude, and the records of its step."""
 
-from math import nan
 from typing import Final
 
 from mypy_extensions import mypyc_attr
 
 from attest_mav.filters.base import FilterState
 from attest_mav.filters.velocity_aided.alignment.collect import Alignment
-from attest_mav.filters.velocity_aided.control import AidingMode, Navigation
+from attest_mav.filters.velocity_aided.navigation import AidingMode, Navigation
+from attest_mav.innovation import Innovation
 from attest_mav.types import North, Quat, Vec3
 
 NORTH_LOST: Final = 0.5
@@ -18,11 +18,7 @@ NORTH_LOST: Final = 0.5
 class VelocityAidedState(FilterState):
     """State after a step.
 
-    alignment: what it has collected while it aligns, None while it navigates. navigation: the estimate, which an
-    alignment after a gap keeps for what it knows of the sensors; None before the first. gap_s: time since the estimate
-    was given up. reset_by_innovations: whether fixes contradicted it. reset_sigma: rad, part of both sigmas, decaying,
-    see ``filter.RESET_SIGMA_S``. While it aligns the sigmas are pi, and ``q_nb`` is the last attitude turned on by the
-    gyro.
+    While the filter aligns the sigmas are pi, and ``q_nb`` is the last attitude turned on by the gyro.
     """
 
     def __init__(
@@ -41,10 +37,15 @@ class VelocityAidedState(FilterState):
     ) -> None:
         super().__init__(q_nb, gyro_bias, accel_used, mag_used, tilt_sigma, heading_sigma)
         self.alignment: Final = alignment
+        """The readings collected so far while the filter aligns, None while it navigates."""
         self.navigation: Final = navigation
+        """Estimate and memories; kept during an alignment after a gap for the sensor errors. None before the first."""
         self.gap_s: Final = gap_s
+        """Time since the estimate was given up, s; 0 while the filter navigates."""
         self.reset_by_innovations: Final = reset_by_innovations
+        """Whether the alignment began because velocity fixes contradicted the estimate."""
         self.reset_sigma: Final = reset_sigma
+        """Part of both sigmas after a reset, rad, decaying, see ``filter.RESET_SIGMA_S``."""
 
     @property
     def aligned(self) -> bool:
@@ -53,11 +54,11 @@ class VelocityAidedState(FilterState):
 
     @property
     def referred_to(self) -> North | None:
-        """What the heading refers to."""
+        """The north that the heading refers to."""
         navigation = self.navigation
         if navigation is None or self.heading_sigma > NORTH_LOST:
             return North.RELATIVE
-        return North.TRUE if navigation.declination_known else North.MAGNETIC
+        return North.MAGNETIC if navigation.declination is None else North.TRUE
 
     @property
     def sigma_is_proven(self) -> bool:
@@ -66,38 +67,33 @@ class VelocityAidedState(FilterState):
 
     @property
     def rests_on(self) -> str:
-        """The velocity and where it comes from, or what has taken its place; "" while it aligns."""
-        navigated = self._navigated
-        if navigated is None:
+        """The velocity and its source, or the aid that has taken its place; "" while the filter aligns."""
+        stepped = self._stepped
+        if stepped is None:
             return "just aligned" if self.aligned else ""
-        if navigated.mode == AidingMode.VELOCITY:
-            # Those that an alignment was made of are not the filter's rows: the first of these tells the source.
-            return f"velocity from {navigated.gnss.source}" if navigated.gnss.source else "just aligned"
-        return f"no velocity: {_fallback_name(navigated.mode)}"
+        if stepped.mode == AidingMode.VELOCITY:
+            # Fixes that an alignment was made of are not measurements of the filter: the first of these has the source.
+            last = stepped.gnss.last
+            return "just aligned" if last is None else f"velocity from {last.source}"
+        return f"no velocity: {_fallback_name(stepped.mode)}"
 
     @property
-    def velocity_nis(self) -> float:
-        """Of the fix that this step used, NaN if it used none."""
-        navigated = self._navigated
-        return nan if navigated is None or navigated.gnss.since_fused_s > 0.0 else navigated.gnss.nis
+    def innovations(self) -> tuple[Innovation, ...]:
+        """The records of this step's aids."""
+        stepped = self._stepped
+        return () if stepped is None else stepped.innovations
 
     @property
-    def field_nis(self) -> float:
-        """Of the reading that came with this step, rejected or not; NaN if none did."""
-        navigated = self._navigated
-        return nan if navigated is None or navigated.magnetometer.since_reading_s > 0.0 else navigated.magnetometer.nis
-
-    @property
-    def _navigated(self) -> Navigation | None:
-        """The flight, once it has gone a step: until then it tells of the time before a gap, or of none."""
+    def _stepped(self) -> Navigation | None:
+        """The navigation after its first step; before that its records still describe the time before the gap."""
         navigation = self.navigation
-        if navigation is None or self.alignment is not None or not navigation.imu.history.points:
+        if navigation is None or self.alignment is not None or not navigation.has_stepped:
             return None
         return navigation
 
 
 def _fallback_name(mode: AidingMode) -> str:
-    """The name of what has taken the velocity's place."""
+    """The aid that has taken the velocity's place, in words."""
     if mode == AidingMode.STATIONARY:
         return "at rest"
     if mode == AidingMode.AIRSPEED:

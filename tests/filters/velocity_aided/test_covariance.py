@@ -3,14 +3,16 @@
 import numpy as np
 import pytest
 
-from attest_mav.filters.velocity_aided.covariance import (
-    Covariance,
-    Measurement,
-    ProcessNoise,
-    cross_covariance,
-    propagated,
-    updated_covariance,
+from attest_mav.filters.velocity_aided.covariance import Covariance, ProcessNoise, propagated
+from attest_mav.filters.velocity_aided.covariance_blocks import (
+    ErrorBlock,
+    decoupled,
+    diagonal_covariance,
+    with_added_variance,
+    with_component_restarted,
+    with_variance_floor,
 )
+from attest_mav.filters.velocity_aided.measurement import Measurement, consider_updated, cross_covariance, updated
 from attest_mav.matrices import diagonal
 
 NAMES = "tvbsamd"
@@ -83,25 +85,71 @@ def test_propagation_is_f_p_f_transposed_plus_q(rng, dense):
     assert np.allclose(result, f @ dense @ f.T + q, rtol=1e-12, atol=1e-12)
 
 
-def test_a_row_is_the_joseph_form(rng, dense):
+def random_measurement(rng):
+    """A measurement, and its Jacobian as one vector."""
     h = np.zeros(SIZE)
     parts = {}
     for name in "tvbmd":
         v = rng.normal(size=3)
         h[3 * NAMES.index(name) : 3 * NAMES.index(name) + 3] = v
         parts[name] = floats(v)
-    measurement = Measurement(0.3, **parts)
+    return Measurement(0.3, **parts), h
+
+
+def test_an_update_is_the_joseph_form(rng, dense):
+    measurement, h = random_measurement(rng)
     cross_cov = cross_covariance(from_dense(dense), measurement)
     assert cross_cov.state_variance == pytest.approx(h @ dense @ h)
     variance = 0.7
     gain = dense @ h / (h @ dense @ h + variance)
     joseph = np.eye(SIZE) - np.outer(gain, h)
     expected = joseph @ dense @ joseph.T + variance * np.outer(gain, gain)
-    result = to_dense(updated_covariance(from_dense(dense), cross_cov, 1.0 / (cross_cov.state_variance + variance)))
+    result = to_dense(updated(from_dense(dense), cross_cov, 1.0 / (cross_cov.state_variance + variance)))
     assert np.allclose(result, expected, rtol=1e-10, atol=1e-10)
 
 
-def test_a_thousand_steps_and_rows_stay_symmetric_and_positive(rng):
+def test_a_consider_update_is_the_joseph_form_with_no_gain_for_the_sensors(rng, dense):
+    measurement, h = random_measurement(rng)
+    cross_cov = cross_covariance(from_dense(dense), measurement)
+    variance = 0.7
+    gain = dense @ h / (h @ dense @ h + variance)
+    gain[9:] = 0.0
+    joseph = np.eye(SIZE) - np.outer(gain, h)
+    expected = joseph @ dense @ joseph.T + variance * np.outer(gain, gain)
+    k = 1.0 / (cross_cov.state_variance + variance)
+    assert np.allclose(to_dense(consider_updated(from_dense(dense), cross_cov, k)), expected, rtol=1e-10, atol=1e-10)
+    without = cross_cov.without_sensors()
+    assert (without.t, without.v, without.b) == (cross_cov.t, cross_cov.v, cross_cov.b)
+    assert without.s == without.a == without.m == without.d == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("error", list(ErrorBlock))
+def test_blocks_are_edited_by_name(dense, error):
+    p, own = from_dense(dense), slice(3 * error, 3 * error + 3)
+    added = dense.copy()
+    added[own, own] += np.diag([1.0, 2.0, 3.0])
+    assert np.array_equal(to_dense(with_added_variance(p, error, (1.0, 2.0, 3.0))), added)
+    alone = dense.copy()
+    alone[own, :], alone[:, own] = 0.0, 0.0
+    alone[own, own] = np.diag([4.0] * 3)
+    assert np.array_equal(to_dense(decoupled(p, error, diagonal(4.0))), alone)
+    floored = dense.copy()
+    floored[range(own.start, own.stop), range(own.start, own.stop)] = np.maximum(np.diag(dense)[own], 20.0)
+    assert np.array_equal(to_dense(with_variance_floor(p, error, 20.0)), floored)
+    for axis in range(3):
+        restarted = dense.copy()
+        restarted[own.start + axis, :], restarted[:, own.start + axis] = 0.0, 0.0
+        restarted[own.start + axis, own.start + axis] = 7.0
+        assert np.array_equal(to_dense(with_component_restarted(p, error, axis, 7.0)), restarted)
+
+
+def test_errors_that_are_independent_make_a_block_diagonal(dense):
+    diagonals = [tuples(dense[3 * i : 3 * i + 3, 3 * i : 3 * i + 3]) for i in range(7)]
+    expected = np.where(np.kron(np.eye(7), np.ones((3, 3))) > 0.0, dense, 0.0)
+    assert np.array_equal(to_dense(diagonal_covariance(diagonals)), expected)
+
+
+def test_a_thousand_steps_and_updates_stay_symmetric_and_positive(rng):
     covariance = from_dense(np.diag(np.repeat([1e-3, 0.1, 1e-5, 1e-5, 1e-3, 1e-4, 1e-3], 3)))
     assert covariance.tt == diagonal(1e-3)
     for k in range(1000):
@@ -113,7 +161,7 @@ def test_a_thousand_steps_and_rows_stay_symmetric_and_positive(rng):
         if k % 5 == 0:
             measurement = Measurement(0.0, t=floats(rng.normal(size=3)), v=(1.0, 0.0, 0.0), d=(0.0, 1.0, 0.0))
             cross_cov = cross_covariance(covariance, measurement)
-            covariance = updated_covariance(covariance, cross_cov, 1.0 / (cross_cov.state_variance + 1e-4))
+            covariance = updated(covariance, cross_cov, 1.0 / (cross_cov.state_variance + 1e-4))
     p = to_dense(covariance)
     assert np.linalg.eigvalsh(p).min() > -1e-15
     assert np.allclose(np.array(covariance.vv), np.array(covariance.vv).T, rtol=0.0, atol=1e-15)

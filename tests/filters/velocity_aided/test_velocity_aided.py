@@ -66,9 +66,9 @@ def test_it_finds_the_delays(s_turns, telemetry):
     """GPS 0.16 s and compass 0.11 s late, against the 0.10 and 0.06 believed; the compass beyond the low-pass."""
     flight = telemetry(s_turns, fix_delay_s=0.16, mag_lag_s=0.11)
     states = flight.run()
-    mag, fix, _ = states[-1].navigation.estimate.delays
-    assert fix == pytest.approx(0.16, abs=0.01)
-    assert mag == pytest.approx(0.11 - 0.01125, abs=0.01)
+    estimate = states[-1].navigation.estimate
+    assert estimate.fix_delay_s == pytest.approx(0.16, abs=0.01)
+    assert estimate.mag_delay_s == pytest.approx(0.11 - 0.01125, abs=0.01)
     assert rms(flight.errors(states)[0][1500:]) < 0.1
 
 
@@ -88,7 +88,7 @@ def test_a_wrong_declination_is_corrected_by_the_velocity(plane_log):
     _, heading = wrong.errors(states)
     assert rms(heading[100:400]) == pytest.approx(1.5, abs=0.2)
     assert rms(heading[-1500:]) < 0.3
-    assert degrees(states[-1].navigation.estimate.delays[2]) == pytest.approx(-1.5, abs=0.3)
+    assert degrees(states[-1].navigation.estimate.declination_error) == pytest.approx(-1.5, abs=0.3)
 
 
 def test_a_declination_that_comes_late_turns_the_heading(plane_log):
@@ -497,7 +497,7 @@ def test_an_hour_on_the_ground_teaches_nothing_of_the_sensors(telemetry, copter)
         )
     estimate = state.navigation.estimate
     assert estimate.gyro_scale == pytest.approx((0.0, 0.0, 0.0), abs=5e-4)
-    assert estimate.delays[:2] == pytest.approx((0.06, 0.1), abs=0.005)
+    assert (estimate.mag_delay_s, estimate.fix_delay_s) == pytest.approx((0.06, 0.1), abs=0.005)
     assert estimate.accel_bias == pytest.approx((0.0, 0.0, 0.0), abs=0.03)
     assert np.linalg.norm(estimate.hard_iron) < 0.01
     assert degrees(state.heading_sigma) > 2.0

@@ -1,94 +1,84 @@
 """Velocity fixes: delayed, of unknown quality, sometimes wrong.
 
-A fix is compared with the velocity of the instant it belongs to. Its variance follows the innovations: twice their
-rms, so that errors that last (which innovations do not show) are allowed for. A fix outside the gate is not thrown
-away: its variance is inflated until it lies on the gate, the equivalent covariance of paper 2 (eqs. (15), (16)). After
-a gap, when the state's own variance is large, that changes nothing and the fix is believed; a hard gate would lock out.
+A fix is compared with the velocity of the instant it belongs to. Its variance follows the innovations: twice their rms,
+so that errors that last, which innovations do not show, are allowed for. A fix outside the gate is not rejected: its
+variance is inflated until it lies on the gate. After a gap, when the state's own variance is large, that changes
+nothing and the fix is fused in full; a hard gate would lock the filter out. (Adaptive noise and innovation filtering:
+Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., sections 3.4 and 17.3.)
 """
 
-from math import sqrt
+from math import inf, sqrt
 from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import clamp, dot, norm, unit_axis
-from attest_mav.filters.velocity_aided.covariance import Measurement
+from attest_mav.algebra import clamp, dot, unit_axis
+from attest_mav.filters.robust import averaged_power, variance_on_gate
 from attest_mav.filters.velocity_aided.history import DeltaVelocityHistory, Lookback, look_back
+from attest_mav.filters.velocity_aided.measurement import Measurement
 from attest_mav.filters.velocity_aided.nav_state import (
     DEADBAND_ACCEL,
     NavigationState,
     cross_covariance_of,
     deadband,
     fuse,
-    with_fix_delay,
 )
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
+from attest_mav.innovation import Aid, Fusion, Innovation
+from attest_mav.plausible import is_velocity
 from attest_mav.types import Vec3, VelocityOrigin, VelocitySample
 
 POWER_SHARE: Final = 0.05
-"""Share of a new innovation in their remembered mean square."""
+"""Weight of a new innovation in the running mean square."""
 POWER_STEP: Final = 4.0
 """One innovation counts for at most this many times the mean square."""
+POWER_FLOOR: Final = 1e-6
+"""(m/s)^2: what it may always count for."""
 NOISE_FACTOR: Final = 2.0
 """The noise of a fix as a multiple of the innovations' rms."""
-LONG_AGO_S: Final = 1e9
-MAX_VELOCITY: Final = 1e4
-"""m/s: a fix that reports this much is not read (NaN and infinity fail the same test)."""
 NIS_SHARE: Final = 0.1
-"""Share of a new fix in the mean normalised innovation squared: at 5 Hz a memory of 2 s."""
+"""Weight of a new fix in the mean normalised innovation squared: at 5 Hz a memory of 2 s."""
 
 
 @mypyc_attr(acyclic=True)
 class GnssVelocity:
-    """What is remembered of the fixes, and the record of the last one.
-
-    source: message of the last one used, "" before the first. t_ns: its time. lost_s: time since. power: mean square
-    innovation, (m/s)^2. innovation: m/s, NED, each axis before its own correction. nis: its normalised square, mean of
-    the axes, without inflation. mean_nis: its remembered mean, in which none counts for more than the gate.
-    """
+    """The state of velocity fusion."""
 
     def __init__(
         self,
-        source: str,
-        t_ns: int,
+        last: VelocitySample | None,
         since_fused_s: float,
         innovation_power: float,
         mean_nis: float,
-        innovation: Vec3,
-        nis: float,
+        innovation: Innovation | None,
     ) -> None:
-        self.source: Final = source
-        self.t_ns: Final = t_ns
+        self.last: Final = last
+        """The last fix that was fused, None before the first."""
         self.since_fused_s: Final = since_fused_s
+        """Time since then, s; infinite while none was, or none after a reset."""
         self.innovation_power: Final = innovation_power
+        """Running mean square of the innovations, (m/s)^2 an axis."""
         self.mean_nis: Final = mean_nis
+        """Running mean of the normalised innovation squared, in which no fix counts for more than the gate."""
         self.innovation: Final = innovation
-        self.nis: Final = nis
+        """Of the fix that this step had to offer, None where it had no new one."""
+
+    def aged(self, dt_s: float) -> "GnssVelocity":
+        """The same a step later, before its fix."""
+        return GnssVelocity(self.last, self.since_fused_s + dt_s, self.innovation_power, self.mean_nis, None)
+
+    def after_reset(self, aligned_by_fixes: bool) -> "GnssVelocity":
+        """The state of fusion at a start. The fixes of an alignment are recent, those from before a gap are not."""
+        return GnssVelocity(self.last, 0.0 if aligned_by_fixes else inf, self.innovation_power, 0.0, None)
+
+    def with_innovation(self, innovation: Innovation) -> "GnssVelocity":
+        """The same with the record of a fix that was not fused."""
+        return GnssVelocity(self.last, self.since_fused_s, self.innovation_power, self.mean_nis, innovation)
 
 
 def initial_gnss_velocity(parameters: FlightParameters) -> GnssVelocity:
-    """Before the first one."""
-    innovation_power = (parameters.velocity_sigma / NOISE_FACTOR) ** 2
-    return GnssVelocity("", -1, LONG_AGO_S, innovation_power, 0.0, (0.0, 0.0, 0.0), 0.0)
-
-
-def after_reset(gnss: GnssVelocity, aligned_by_them: bool) -> GnssVelocity:
-    """The memory at a start. The fixes that an alignment was made of are recent, those from before a gap are not."""
-    since_fused_s = 0.0 if aligned_by_them else LONG_AGO_S
-    return GnssVelocity(gnss.source, gnss.t_ns, since_fused_s, gnss.innovation_power, 0.0, (0.0, 0.0, 0.0), 0.0)
-
-
-def aged(gnss: GnssVelocity, dt_s: float) -> GnssVelocity:
-    """The same memory, a step later."""
-    return GnssVelocity(
-        gnss.source,
-        gnss.t_ns,
-        gnss.since_fused_s + dt_s,
-        gnss.innovation_power,
-        gnss.mean_nis,
-        gnss.innovation,
-        gnss.nis,
-    )
+    """The state of fusion before the first fix."""
+    return GnssVelocity(None, inf, (parameters.velocity_sigma / NOISE_FACTOR) ** 2, 0.0, None)
 
 
 def time_of_validity(fix: VelocitySample, delay_s: float, parameters: FlightParameters) -> int:
@@ -102,7 +92,7 @@ def nominal_delay_s(fix: VelocitySample, parameters: FlightParameters) -> float:
 
 
 def nominal_delay_sigma(fix: VelocitySample, parameters: FlightParameters) -> float:
-    """How well that is known, s."""
+    """1-sigma of that delay, s."""
     return parameters.fix_delay_sigma if fix.origin == VelocityOrigin.RECEIVER else parameters.own_delay_sigma
 
 
@@ -111,18 +101,16 @@ def low_pass_delay_s(parameters: FlightParameters) -> float:
     return 0.2250790790392765 / parameters.low_pass_hz if parameters.low_pass_hz > 0.0 else 0.0
 
 
-def is_velocity(fix: VelocitySample) -> bool:
-    """True when its numbers can be a velocity."""
-    return norm(fix.v_ned) < MAX_VELOCITY
-
-
-def fix_is_due(gnss: GnssVelocity, fix: VelocitySample | None, parameters: FlightParameters) -> bool:
-    """True when the fix is one, has not been used, and is far enough from the one before."""
-    if fix is None or not is_velocity(fix) or fix.t_ns == gnss.t_ns:
+def fix_is_due(gnss: GnssVelocity, fix: VelocitySample, parameters: FlightParameters) -> bool:
+    """True when the fix has not been fused, and is far enough from the last one that was."""
+    last = gnss.last
+    if last is None:
+        return True
+    if fix.t_ns == last.t_ns:
         return False
     # A clock that went back is a new one.
-    apart = (fix.t_ns - gnss.t_ns) * 1e-9
-    return fix.source != gnss.source or apart < 0.0 or apart > parameters.fix_spacing_s - 1e-3
+    apart_s = (fix.t_ns - last.t_ns) * 1e-9
+    return fix.source != last.source or apart_s < 0.0 or apart_s > parameters.fix_spacing_s - 1e-3
 
 
 def fuse_velocity(
@@ -133,42 +121,65 @@ def fuse_velocity(
     estimates_sensors: bool,
     parameters: FlightParameters,
 ) -> tuple[NavigationState, GnssVelocity]:
-    """Motion and memory after a fix that is due. One from before the history corrects nothing.
+    """State and memory after a fix that is due; its record says whether it was fused.
 
-    teaches: it may tell something of the sensors.
+    estimates_sensors: whether it may estimate the sensor errors, or only considers them.
     """
-    if fix.source != gnss.source:
-        nav = with_fix_delay(nav, nominal_delay_s(fix, parameters), nominal_delay_sigma(fix, parameters))
-    past = look_back(history, time_of_validity(fix, nav.delays[1], parameters))
+    if not is_velocity(fix.v_ned):
+        return nav, gnss.with_innovation(Innovation(Aid.VELOCITY, Fusion.IMPLAUSIBLE, fix.t_ns))
+    if gnss.last is None or fix.source != gnss.last.source:
+        nav = nav.with_fix_delay(nominal_delay_s(fix, parameters), nominal_delay_sigma(fix, parameters))
+    past = look_back(history, time_of_validity(fix, nav.fix_delay_s, parameters))
     if past is None:
-        return nav, gnss
-    sigma = clamp(NOISE_FACTOR * sqrt(gnss.innovation_power), parameters.velocity_floor, parameters.velocity_ceiling)
-    accel = deadband(
-        (past.specific_force[0], past.specific_force[1], past.specific_force[2] + parameters.gravity), DEADBAND_ACCEL
-    )
+        return nav, gnss.with_innovation(Innovation(Aid.VELOCITY, Fusion.TOO_OLD, fix.t_ns, fix.v_ned))
+    nav, innovation = _fuse_axes(nav, past, gnss.innovation_power, fix, estimates_sensors, parameters)
+    return nav, _after_fix(gnss, fix, innovation, parameters)
+
+
+def _fuse_axes(
+    nav: NavigationState,
+    past: Lookback,
+    innovation_power: float,
+    fix: VelocitySample,
+    estimates_sensors: bool,
+    parameters: FlightParameters,
+) -> tuple[NavigationState, Innovation]:
+    """The state after the axes of a fix, one after the other, and their record."""
+    sigma = clamp(NOISE_FACTOR * sqrt(innovation_power), parameters.velocity_floor, parameters.velocity_ceiling)
+    force = past.specific_force
+    accel = deadband((force[0], force[1], force[2] + parameters.gravity), DEADBAND_ACCEL)
     jitter = parameters.fix_jitter_s**2 * dot(accel, accel)
     variance = sigma * sigma + jitter
-    # A wrong attitude must not excuse itself with the innovations that it makes.
+    # For the consistency test the noise may not adapt upwards: a wrong attitude would inflate its own test limit.
     trusted = min(sigma, parameters.velocity_sigma) ** 2 + jitter
-    count = 3 if fix.vertical_known else 2
-    innovation = [0.0, 0.0, 0.0]
-    nis = 0.0
-    for axis in range(count):
+    residuals: list[float] = []
+    variances: list[float] = []
+    fusion = Fusion.USED
+    for axis in range(3 if fix.vertical_known else 2):
         measurement = velocity_measurement(nav, past, accel, fix, axis, parameters)
         cross_cov = cross_covariance_of(nav, measurement)
-        innovation[axis] = measurement.residual
-        nis += measurement.residual**2 / (cross_cov.state_variance + trusted) / count
-        least = (measurement.residual / parameters.velocity_gate) ** 2 - cross_cov.state_variance
-        nav = fuse(nav, measurement, cross_cov, max(variance, least), estimates_sensors)
-    square = (innovation[0] ** 2 + innovation[1] ** 2 + innovation[2] ** 2) / count
-    innovation_power = gnss.innovation_power + POWER_SHARE * (
-        min(square, POWER_STEP * gnss.innovation_power + 1e-6) - gnss.innovation_power
-    )
+        residuals.append(measurement.residual)
+        variances.append(cross_cov.state_variance + trusted)
+        on_gate = variance_on_gate(measurement.residual, cross_cov.state_variance, parameters.velocity_gate)
+        if on_gate > variance:
+            fusion = Fusion.INFLATED
+        nav = fuse(nav, measurement, cross_cov, max(variance, on_gate), estimates_sensors)
+    observation = fix.v_ned if fix.vertical_known else (fix.v_ned[0], fix.v_ned[1])
+    return nav, Innovation(Aid.VELOCITY, fusion, fix.t_ns, observation, tuple(residuals), tuple(variances))
+
+
+def _after_fix(
+    gnss: GnssVelocity, fix: VelocitySample, innovation: Innovation, parameters: FlightParameters
+) -> GnssVelocity:
+    """The memory after a fix that was fused."""
+    square = 0.0
+    for residual in innovation.residual:
+        square += residual**2
+    square /= len(innovation.residual)
+    power = averaged_power(gnss.innovation_power, square, POWER_SHARE, POWER_STEP, POWER_FLOOR)
     # However wild, one fix is one contradiction: it takes several in a row to give the attitude up.
-    mean_nis = gnss.mean_nis + NIS_SHARE * (min(nis, parameters.velocity_gate**2) - gnss.mean_nis)
-    return nav, GnssVelocity(
-        fix.source, fix.t_ns, 0.0, innovation_power, mean_nis, (innovation[0], innovation[1], innovation[2]), nis
-    )
+    nis = min(innovation.nis, parameters.velocity_gate**2)
+    return GnssVelocity(fix, 0.0, power, gnss.mean_nis + NIS_SHARE * (nis - gnss.mean_nis), innovation)
 
 
 def velocity_measurement(
@@ -176,15 +187,13 @@ def velocity_measurement(
 ) -> Measurement:
     """One axis of a fix. ``accel``: of the vehicle at the time of the fix, NED, m/s^2.
 
-    The velocity then is v - u - g age, with u the gain of specific force since; so its error is dv + [u]x theta, and
-    a delay that is longer by dd moves the instant back along the acceleration.
+    The velocity then is v - u - g age, with u the gain of specific force since; so its error is dv + [u]x dt, and a
+    delay that is longer by dd moves the instant back along the acceleration.
     """
-    gained = past.delta_velocity[axis] + (parameters.gravity * past.age_s if axis == 2 else 0.0)
+    u = past.delta_velocity
+    gained = u[axis] + (parameters.gravity * past.age_s if axis == 2 else 0.0)
     span_s = max(past.age_s, 0.0)
-    x, y, z = deadband(
-        (past.delta_velocity[0], past.delta_velocity[1], past.delta_velocity[2] + parameters.gravity * span_s),
-        DEADBAND_ACCEL * span_s,
-    )
+    x, y, z = deadband((u[0], u[1], u[2] + parameters.gravity * span_s), DEADBAND_ACCEL * span_s)
     z -= parameters.gravity * span_s
     tilt: Vec3 = (0.0, -z, y) if axis == 0 else (z, 0.0, -x) if axis == 1 else (-y, x, 0.0)
     residual = fix.v_ned[axis] - (nav.velocity[axis] - gained)

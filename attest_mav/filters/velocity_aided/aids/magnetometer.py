@@ -1,234 +1,211 @@
-"""The magnetometer: one row that turns the heading, and a watch on the field.
+"""The magnetometer: one measurement that turns the heading, and a monitor of the field.
 
-The row is the field's component along magnetic east, which is zero in truth. The field's strength and dip do not
-enter it, so no model of them is needed; they are watched instead, for a disturbance shows in them too. What
-can be seen of a disturbance is taken as the size of what cannot, for as long as ``disturbance_hold_s``.
+The measurement is the field's component along magnetic east, which is zero in truth. Strength and inclination are not
+fused, so no model of them is needed; they are monitored. A deviation there is taken as the size of the unobservable
+disturbance of the heading, for as long as ``disturbance_hold_s``. (Magnetic heading and its errors: Groves, Principles
+of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., section 6.1.1.)
 
-RAW_IMU repeats a magnetometer of 10 Hz: a reading is new when it differs from the one before. At rest it may
-stay the same for good reason, and is used again now and then.
+RAW_IMU repeats a magnetometer of 10 Hz: a reading is new when it differs from the one before. At rest it may stay the
+same for good reason, and is fused again now and then.
 """
 
-from math import cos, exp, sin, sqrt
+from math import exp, inf, sqrt
 from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import clamp, cross, dot, mat_vec, norm, q_exp, q_mul, q_to_matrix, scale, sub
-from attest_mav.filters.velocity_aided.covariance import Measurement
-from attest_mav.filters.velocity_aided.nav_state import (
-    DEADBAND_RATE,
-    NavigationState,
-    cross_covariance_of,
-    deadband,
-    fuse,
-)
+from attest_mav.algebra import clamp, norm
+from attest_mav.filters.robust import averaged_power, inflation
+from attest_mav.filters.velocity_aided.aids.field import LevelledField
+from attest_mav.filters.velocity_aided.measurement import CrossCovariance
+from attest_mav.filters.velocity_aided.nav_state import NavigationState, cross_covariance_of, fuse
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.filters.velocity_aided.prediction import dequantised
-from attest_mav.matrices import mat_t_vec
+from attest_mav.innovation import Aid, Fusion, Innovation
 from attest_mav.types import ImuSample, Vec3
 
-MAX_FIELD: Final = 1e3
-"""gauss: a reading of this length or more is no field."""
 REUSE_S: Final = 0.5
-"""At rest an unchanged reading is used again after this long."""
+"""At rest an unchanged reading is fused again after this long, s."""
 REST_RATE: Final = 0.02
-"""rad/s."""
+"""rad/s: a vehicle that turns no faster may well show the same field again."""
 POWER_SHARE: Final = 0.02
-"""Share of a new innovation in their remembered mean square."""
+"""Weight of a new innovation in the running mean square."""
 POWER_STEP: Final = 9.0
 """One innovation counts for at most this many times the mean square."""
+POWER_FLOOR: Final = 1e-8
+"""Share of the field, squared: what it may always count for."""
 NOISE_FACTOR: Final = 2.0
 """The noise of a reading as a multiple of the innovations' rms."""
 USUAL_S: Final = 60.0
-"""Time constant with which the usual strength and dip follow an undisturbed field."""
+"""Time constant with which the usual field follows an undisturbed one, s."""
 LAG_ERROR_S: Final = 0.03
-"""Of the magnetometer's lag: a turn by this much is no deviation of the dip."""
+"""Error of the magnetometer's delay, s: a rotation by this much is no deviation of the inclination."""
+
+
+@mypyc_attr(acyclic=True)
+class UsualField:
+    """The field as it usually is."""
+
+    def __init__(self, strength: float, inclination_sine: float) -> None:
+        self.strength: Final = strength
+        """gauss."""
+        self.inclination_sine: Final = inclination_sine
+        """Sine of the angle below the horizontal."""
 
 
 @mypyc_attr(acyclic=True)
 class Magnetometer:
-    """What is remembered of the field, and the record of the last reading.
-
-    last: the last reading, gauss, as received. held_s: since one was used. lost_s: since a reading
-    corrected the heading. strength: gauss, and dip (sine), as they usually are; strength 0 before the first.
-    disturbance: remembered deviation from the usual, as a share of the field. power: mean square innovation.
-    innovation: of the last reading, as a share of the field (east positive to the left); nis: its normalised square.
-    used: whether this step's reading corrected the heading.
-    """
+    """The state of magnetometer fusion."""
 
     def __init__(
         self,
-        last_reading: Vec3,
+        last_reading: Vec3 | None,
         since_reading_s: float,
         since_accepted_s: float,
-        usual_strength: float,
-        usual_inclination_sine: float,
+        usual: UsualField | None,
         disturbance: float,
         innovation_power: float,
-        innovation: float,
-        nis: float,
-        used: bool,
+        innovation: Innovation | None,
     ) -> None:
         self.last_reading: Final = last_reading
+        """The last reading as received, gauss; None before the first."""
         self.since_reading_s: Final = since_reading_s
+        """Time since a reading was fused, s."""
         self.since_accepted_s: Final = since_accepted_s
-        self.usual_strength: Final = usual_strength
-        self.usual_inclination_sine: Final = usual_inclination_sine
+        """Time since one agreed with the heading, s; infinite before the first."""
+        self.usual: Final = usual
+        """The undisturbed field; None before the first reading."""
         self.disturbance: Final = disturbance
+        """Largest deviation of late, as a share of the field, decaying."""
         self.innovation_power: Final = innovation_power
+        """Running mean square of the innovations, a share of the field squared."""
         self.innovation: Final = innovation
-        self.nis: Final = nis
-        self.used: Final = used
+        """Of this step's reading, None where it had no new one."""
+
+    @property
+    def used(self) -> bool:
+        """True when this step's reading agreed with the heading."""
+        return self.innovation is not None and self.innovation.fusion == Fusion.USED
+
+    def after_reset(self) -> "Magnetometer":
+        """The memory at a start: all but the record of an earlier step."""
+        return Magnetometer(
+            self.last_reading,
+            self.since_reading_s,
+            self.since_accepted_s,
+            self.usual,
+            self.disturbance,
+            self.innovation_power,
+            None,
+        )
+
+    def skipped(self, sample: ImuSample, dt_s: float, innovation: Innovation | None) -> "Magnetometer":
+        """The memory after a step without a reading to be fused. innovation: of one that cannot be, if it is new."""
+        return Magnetometer(
+            self.last_reading if sample.mag is None else sample.mag,
+            self.since_reading_s + dt_s,
+            self.since_accepted_s,
+            self.usual,
+            self.disturbance,
+            self.innovation_power,
+            innovation,
+        )
 
 
 def initial_magnetometer(parameters: FlightParameters) -> Magnetometer:
-    """Before the first reading."""
-    innovation_power = (parameters.mag_sigma / NOISE_FACTOR) ** 2
-    return Magnetometer((0.0, 0.0, 0.0), 0.0, 1e9, 0.0, 0.0, 0.0, innovation_power, 0.0, 0.0, False)
-
-
-def field_of(sample: ImuSample) -> Vec3 | None:
-    """The sample's field, gauss, with half a unit given back; None when it is none."""
-    mag = sample.mag
-    if mag is None or not 0.0 < norm(mag) < MAX_FIELD:
-        return None
-    return dequantised(mag, sample.quantum.mag)
+    """The state of fusion before the first reading."""
+    return Magnetometer(None, 0.0, inf, None, 0.0, (parameters.mag_sigma / NOISE_FACTOR) ** 2, None)
 
 
 def reading_is_due(magnetometer: Magnetometer, sample: ImuSample, dt_s: float, parameters: FlightParameters) -> bool:
-    """True when the sample's reading is a new one, and far enough from the last one used.
+    """True when the sample's reading is a new one, and far enough from the last one that was fused.
 
-    One that comes too soon is not used later: it would be older than its lag says.
+    One that comes too soon is not fused later: it would be older than its delay says.
     """
     since_s = magnetometer.since_reading_s + dt_s
     if sample.mag != magnetometer.last_reading:
-        return since_s > parameters.mag_spacing_s or magnetometer.usual_strength <= 0.0
+        return since_s > parameters.mag_spacing_s or magnetometer.usual is None
     return since_s > REUSE_S and norm(sample.gyro) < REST_RATE
-
-
-def skip_reading(magnetometer: Magnetometer, sample: ImuSample, dt_s: float) -> Magnetometer:
-    """The memory after a step whose reading is not used."""
-    return Magnetometer(
-        magnetometer.last_reading if sample.mag is None else sample.mag,
-        magnetometer.since_reading_s + dt_s,
-        magnetometer.since_accepted_s,
-        magnetometer.usual_strength,
-        magnetometer.usual_inclination_sine,
-        magnetometer.disturbance,
-        magnetometer.innovation_power,
-        magnetometer.innovation,
-        magnetometer.nis,
-        False,
-    )
 
 
 def fuse_magnetometer(
     nav: NavigationState,
     magnetometer: Magnetometer,
     sample: ImuSample,
-    field: Vec3,
-    rate: Vec3,
+    field: LevelledField,
     dt_s: float,
-    declination: float,
     estimates_sensors: bool,
     parameters: FlightParameters,
 ) -> tuple[NavigationState, Magnetometer]:
-    """Motion and memory after a new reading. ``field``: gauss. ``rate``: of the body, rad/s.
+    """State and memory after a new reading. ``field``: the sample's.
 
-    teaches: it may tell something of the sensors.
+    estimates_sensors: whether it may estimate the sensor errors, or only considers them.
     """
-    measurement, direction, strength = heading_measurement(nav, field, rate, declination)
-    monitored = _monitor_field(magnetometer, nav, strength, direction[2], norm(rate), dt_s, parameters)
+    measurement = field.measurement
+    residual = measurement.residual
+    since_s = magnetometer.since_reading_s + dt_s
+    deviation = _deviation(magnetometer.usual, field, nav.tilt_sigma, parameters)
+    disturbance = max(deviation, magnetometer.disturbance * exp(-since_s / parameters.disturbance_hold_s))
     cross_cov = cross_covariance_of(nav, measurement)
-    sigma = clamp(NOISE_FACTOR * sqrt(magnetometer.innovation_power), parameters.mag_floor, parameters.mag_ceiling)
-    nominal_variance = sigma * sigma + (parameters.mag_jitter_s * measurement.d[0]) ** 2
-    normalised = abs(measurement.residual) / sqrt(cross_cov.state_variance + nominal_variance)
+    nominal = _nominal_variance(magnetometer.innovation_power, measurement.d[0], parameters)
+    normalised = abs(residual) / sqrt(cross_cov.state_variance + nominal)
     agrees = normalised < parameters.mag_gate
-    disturbance = monitored.disturbance if agrees else max(monitored.disturbance, abs(measurement.residual))
-    # Equivalent variance of paper 2, eq. (16): from the knee on it grows with the residual.
-    variance = (
-        nominal_variance * max(1.0, normalised / parameters.mag_knee)
-        + (parameters.disturbance_weight * disturbance) ** 2
-    )
-    innovation_power = magnetometer.innovation_power
+    power = magnetometer.innovation_power
     if agrees:
-        innovation_power += POWER_SHARE * (
-            min(measurement.residual**2, POWER_STEP * innovation_power + 1e-8) - innovation_power
-        )
+        power = averaged_power(power, residual**2, POWER_SHARE, POWER_STEP, POWER_FLOOR)
+    else:
+        disturbance = max(disturbance, abs(residual))
+    variance = nominal * inflation(normalised, parameters.mag_knee) + (parameters.disturbance_weight * disturbance) ** 2
     return fuse(nav, measurement, cross_cov, variance, estimates_sensors), Magnetometer(
-        magnetometer.last_reading if sample.mag is None else sample.mag,
+        sample.mag,
         0.0,
         0.0 if agrees else magnetometer.since_accepted_s + magnetometer.since_reading_s + dt_s,
-        monitored.strength,
-        monitored.inclination_sine,
+        _followed(magnetometer.usual, field, deviation < parameters.disturbance_free, since_s),
         disturbance,
-        innovation_power,
-        measurement.residual,
-        normalised * normalised,
-        agrees,
+        power,
+        _innovation(sample, residual, cross_cov, nominal, agrees),
     )
 
 
-def heading_measurement(
-    nav: NavigationState, field: Vec3, rate: Vec3, declination: float
-) -> tuple[Measurement, Vec3, float]:
-    """The row of a reading, the field's direction in NED without the iron, and its strength, gauss.
+def _nominal_variance(innovation_power: float, delay_jacobian: float, parameters: FlightParameters) -> float:
+    """The variance of a reading that agrees: by the innovations, and by the jitter of its time."""
+    sigma = clamp(NOISE_FACTOR * sqrt(innovation_power), parameters.mag_floor, parameters.mag_ceiling)
+    return sigma * sigma + (parameters.mag_jitter_s * delay_jacobian) ** 2
 
-    The residual is the component along magnetic east, as a share of the strength, with its sign changed.
+
+def _innovation(
+    sample: ImuSample, residual: float, cross_cov: CrossCovariance, nominal: float, agrees: bool
+) -> Innovation:
+    """The record of a reading that was fused. The prediction is zero, so the observation is the residual."""
+    fusion = Fusion.USED if agrees else Fusion.INFLATED
+    variance = (cross_cov.state_variance + nominal,)
+    return Innovation(Aid.MAGNETOMETER, fusion, sample.t_ns, (residual,), (residual,), variance)
+
+
+def _deviation(
+    usual: UsualField | None, field: LevelledField, tilt_sigma: float, parameters: FlightParameters
+) -> float:
+    """Deviation of strength and inclination from the usual ones beyond what is free, as a share of the field.
+
+    The inclination may also be off by what the tilt may be off, and by the rotation during the delay's error.
     """
-    iron_free = sub(field, nav.hard_iron)
-    strength = norm(iron_free)
-    # The attitude at the time of the reading: the lag is short enough to turn back at the present rate.
-    then = q_to_matrix(q_mul(nav.q_nb, q_exp(scale(rate, -0.5 * nav.delays[0]))))
-    direction = scale(mat_vec(then, iron_free), 1.0 / strength)
-    north = declination + nav.delays[2]
-    east: Vec3 = (-sin(north), cos(north), 0.0)
-    lag = mat_vec(then, scale(cross(deadband(rate, DEADBAND_RATE), iron_free), 1.0 / strength))
-    measurement = Measurement(
-        -dot(east, direction),
-        t=cross(direction, east),
-        m=scale(mat_t_vec(then, east), -1.0 / strength),
-        d=(-dot(east, lag), 0.0, -(cos(north) * direction[0] + sin(north) * direction[1])),
-    )
-    return measurement, direction, strength
-
-
-@mypyc_attr(acyclic=True)
-class MonitoredField:
-    """The usual field and the remembered disturbance after a reading."""
-
-    def __init__(self, strength: float, inclination_sine: float, disturbance: float) -> None:
-        self.strength: Final = strength
-        self.inclination_sine: Final = inclination_sine
-        self.disturbance: Final = disturbance
-
-
-def _monitor_field(
-    magnetometer: Magnetometer,
-    nav: NavigationState,
-    strength: float,
-    inclination_sine: float,
-    rate: float,
-    dt_s: float,
-    parameters: FlightParameters,
-) -> MonitoredField:
-    """Compare strength and dip with the usual ones. The dip may also be off by what the tilt may be off."""
-    if magnetometer.usual_strength <= 0.0:
-        return MonitoredField(strength, inclination_sine, 0.0)
+    if usual is None:
+        return 0.0
     free = parameters.disturbance_free
-    off_strength = max(0.0, abs(strength / magnetometer.usual_strength - 1.0) - free)
-    off_inclination = max(
-        0.0,
-        abs(inclination_sine - magnetometer.usual_inclination_sine) - free - 3.0 * nav.tilt_sigma - LAG_ERROR_S * rate,
-    )
-    off = sqrt(off_strength * off_strength + off_inclination * off_inclination)
-    since_s = magnetometer.since_reading_s + dt_s
-    disturbance = max(off, magnetometer.disturbance * exp(-since_s / parameters.disturbance_hold_s))
-    if off >= free:
-        return MonitoredField(magnetometer.usual_strength, magnetometer.usual_inclination_sine, disturbance)
+    strength = max(0.0, abs(field.strength / usual.strength - 1.0) - free)
+    off = abs(field.direction[2] - usual.inclination_sine)
+    inclination = max(0.0, off - free - 3.0 * tilt_sigma - LAG_ERROR_S * field.rate)
+    return sqrt(strength * strength + inclination * inclination)
+
+
+def _followed(usual: UsualField | None, field: LevelledField, is_undisturbed: bool, since_s: float) -> UsualField:
+    """The usual field after this reading."""
+    sine = field.direction[2]
+    if usual is None:
+        return UsualField(field.strength, sine)
+    if not is_undisturbed:
+        return usual
     share = min(1.0, since_s / USUAL_S)
-    return MonitoredField(
-        magnetometer.usual_strength + share * (strength - magnetometer.usual_strength),
-        magnetometer.usual_inclination_sine + share * (inclination_sine - magnetometer.usual_inclination_sine),
-        disturbance,
+    return UsualField(
+        usual.strength + share * (field.strength - usual.strength),
+        usual.inclination_sine + share * (sine - usual.inclination_sine),
     )

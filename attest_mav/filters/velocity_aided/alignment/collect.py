@@ -1,7 +1,9 @@
-"""Alignment: what is collected for the first attitude, at rest or in the middle of a turn.
+"""Alignment: collection of the readings for the first attitude, at rest or in the middle of a turn.
 
 The readings are turned back, with the gyro, into the axes of the body at the start: there the specific force is
-integrated, and the fields are summed. ``first_attitude`` makes an attitude of it.
+integrated, and the fields are summed. ``solve`` makes an attitude of them. (In-motion alignment against the velocity:
+Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., sections 5.6 and 15.2; the
+frame that stays with the start is that of optimisation-based alignment, Wu and Pan, IEEE Trans. AES 49, 2013.)
 """
 
 from typing import Final
@@ -9,149 +11,185 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import add, norm, q_exp, q_mul, q_unit, rotate, scale, sub, unit
-from attest_mav.filters.velocity_aided.aids.gnss_velocity import is_velocity, nominal_delay_s, time_of_validity
+from attest_mav.filters.base import FilterInputs
+from attest_mav.filters.stationary import StillnessLimits, is_unaccelerated
+from attest_mav.filters.velocity_aided.aids.airspeed import has_airspeed_of_flight
+from attest_mav.filters.velocity_aided.aids.gnss_velocity import nominal_delay_s, time_of_validity
 from attest_mav.filters.velocity_aided.aids.zero_motion import MAX_SPEED
 from attest_mav.filters.velocity_aided.history import DeltaVelocityHistory, appended, empty_history, look_back
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.filters.velocity_aided.prediction import Reading
-from attest_mav.types import Quat, Vec3, VelocitySample
+from attest_mav.filters.velocity_aided.reading import Reading, field_of
+from attest_mav.plausible import is_velocity
+from attest_mav.types import ImuSample, Quat, Vec3, VelocitySample
 
-STILL_RATE: Final = 0.05
-"""rad/s: a rate above this is motion, not bias."""
-STILL_ACCEL: Final = 0.3
-"""m/s^2: distance of the specific force's length from g."""
+LIMITS: Final = StillnessLimits(rate=0.05, accel=0.3)
+"""A vehicle at rest shows no more than this: there are no means yet to compare with."""
 MAX_FIXES: Final = 32
+"""Fixes that are kept, the newest."""
 
 
 @mypyc_attr(acyclic=True)
 class AlignmentFix:
-    """A velocity fix during alignment. gain: u at its instant, in the start's axes, m/s; v_ned: m/s."""
+    """A velocity fix during alignment."""
 
-    def __init__(self, source_ns: int, t_ns: int, delta_velocity: Vec3, v_ned: Vec3, vertical_known: bool) -> None:
-        self.source_ns: Final = source_ns
+    def __init__(self, message_ns: int, t_ns: int, delta_velocity: Vec3, v_ned: Vec3, vertical_known: bool) -> None:
+        self.message_ns: Final = message_ns
+        """Time that its message names, ns."""
         self.t_ns: Final = t_ns
+        """Time that it belongs to, ns."""
         self.delta_velocity: Final = delta_velocity
+        """Integral of the specific force up to then, in the start's axes, m/s."""
         self.v_ned: Final = v_ned
+        """m/s."""
         self.vertical_known: Final = vertical_known
+        """False where the vertical velocity was not measured."""
+
+
+@mypyc_attr(acyclic=True)
+class RotationSinceStart:
+    """The integrated gyro."""
+
+    def __init__(self, q_start_body: Quat, gyro: Vec3, gyro_change: Vec3, unseen_variance: float) -> None:
+        self.q_start_body: Final = q_start_body
+        """From the body's axes now to those at the start."""
+        self.gyro: Final = gyro
+        """The last reading, rad/s."""
+        self.gyro_change: Final = gyro_change
+        """That minus the one before, rad/s."""
+        self.unseen_variance: Final = unseen_variance
+        """Variance of the rotations that hid between samples, rad^2, by the second differences as in ``prediction``."""
+
+
+@mypyc_attr(acyclic=True)
+class FieldSum:
+    """The magnetometer's readings."""
+
+    def __init__(self, last_reading: Vec3 | None, total: Vec3, count: int) -> None:
+        self.last_reading: Final = last_reading
+        """As received, gauss; None before the first."""
+        self.total: Final = total
+        """Sum of the unit fields in the start's axes."""
+        self.count: Final = count
+        """How many they are."""
+
+
+@mypyc_attr(acyclic=True)
+class StillPeriod:
+    """The time without motion up to now."""
+
+    def __init__(self, delta_velocity: Vec3, duration_s: float) -> None:
+        self.delta_velocity: Final = delta_velocity
+        """Integral of the specific force in it, in the start's axes, m/s."""
+        self.duration_s: Final = duration_s
+        """s; 0 while the vehicle moves."""
 
 
 @mypyc_attr(acyclic=True)
 class Alignment:
-    """What was collected so far.
-
-    turned: from the body's axes now to those at the start. gyro, force: the last reading (rad/s) and specific force
-    in the start's axes (m/s^2). track: of the gains u. fixes: old to new. mag: the last reading as received. field:
-    sum of the unit fields in the start's axes, of ``fields`` readings. force_sum: integral of the force since the
-    vehicle is still, m/s. still_s: for how long it is. waited_s: since the start. change: of the gyro between the last
-    two samples, rad/s. missed: variance of the turns that hid between samples, rad^2 (``prediction`` has the reason).
-    saturated: it began with a reading that shows nothing.
-    """
+    """Everything collected so far."""
 
     def __init__(
         self,
-        q_start_body: Quat,
-        gyro: Vec3,
+        rotation: RotationSinceStart,
         specific_force: Vec3,
         history: DeltaVelocityHistory,
         fixes: tuple[AlignmentFix, ...],
-        last_mag: Vec3 | None,
-        field_sum: Vec3,
-        field_count: int,
-        still_delta_velocity: Vec3,
-        still_s: float,
+        field: FieldSum,
+        still: StillPeriod,
         elapsed_s: float,
-        gyro_change: Vec3,
-        unseen_rotation_variance: float,
         began_saturated: bool,
     ) -> None:
-        self.q_start_body: Final = q_start_body
-        self.gyro: Final = gyro
+        self.rotation: Final = rotation
+        """Of the body since the start."""
         self.specific_force: Final = specific_force
+        """The last one, in the start's axes, m/s^2."""
         self.history: Final = history
+        """Of the integrated specific force, in the start's axes."""
         self.fixes: Final = fixes
-        self.last_mag: Final = last_mag
-        self.field_sum: Final = field_sum
-        self.field_count: Final = field_count
-        self.still_delta_velocity: Final = still_delta_velocity
-        self.still_s: Final = still_s
+        """Velocity fixes, old to new."""
+        self.field: Final = field
+        """Magnetometer readings."""
+        self.still: Final = still
+        """The time without motion up to now."""
         self.elapsed_s: Final = elapsed_s
-        self.gyro_change: Final = gyro_change
-        self.unseen_rotation_variance: Final = unseen_rotation_variance
+        """Time since the start, s."""
         self.began_saturated: Final = began_saturated
+        """The first reading shows nothing, so the next one starts anew."""
 
 
 def new_alignment(reading: Reading, t_ns: int) -> Alignment:
-    """The alignment that begins at this sample; its axes are the body's."""
-    zero, upright = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
-    return Alignment(
-        upright,
-        reading.gyro,
-        reading.accel,
-        empty_history(t_ns),
-        (),
-        None,
-        zero,
-        0,
-        zero,
-        0.0,
-        0.0,
-        zero,
-        0.0,
-        reading.saturated,
-    )
+    """The alignment that starts at this sample; its axes are the body's."""
+    zero: Vec3 = (0.0, 0.0, 0.0)
+    rotation = RotationSinceStart((1.0, 0.0, 0.0, 0.0), reading.gyro, zero, 0.0)
+    still = StillPeriod(zero, 0.0)
+    history = empty_history(t_ns)
+    return Alignment(rotation, reading.accel, history, (), FieldSum(None, zero, 0), still, 0.0, reading.saturated)
 
 
 def accumulate(
     alignment: Alignment,
     reading: Reading,
-    mag: Vec3 | None,
-    field: Vec3 | None,
-    fix: VelocitySample | None,
-    under_way: bool,
+    sample: ImuSample,
+    inputs: FilterInputs,
     bias: Vec3,
     dt_s: float,
-    t_ns: int,
     parameters: FlightParameters,
 ) -> Alignment:
-    """The alignment after one more sample.
-
-    mag: as received, gauss; field: as used, None unless it is new. under_way: known without a fix, by an air speed:
-    a wing in a climb is as quiet as one at rest. bias: of the gyro, as far as it is known, rad/s.
-    """
-    rate = sub(scale(add(alignment.gyro, reading.gyro), 0.5), bias)
-    q_start_body = q_unit(q_mul(alignment.q_start_body, q_exp(scale(rate, 0.5 * dt_s))))
-    specific_force = rotate(q_start_body, reading.accel)
+    """The alignment after one more sample. bias: of the gyro, as far as it is known, rad/s."""
+    rate = sub(scale(add(alignment.rotation.gyro, reading.gyro), 0.5), bias)
+    rotation = _rotated(alignment.rotation, reading, rate, dt_s, parameters)
+    specific_force = rotate(rotation.q_start_body, reading.accel)
     delta_velocity = scale(add(alignment.specific_force, specific_force), 0.5 * dt_s)
-    history = appended(alignment.history, t_ns, delta_velocity)
-    field_sum = alignment.field_sum
-    if field is not None:
-        then = q_mul(q_start_body, q_exp(scale(rate, -0.5 * parameters.mag_delay_s)))
-        field_sum = add(field_sum, rotate(then, unit(field)))
-    moves = under_way if fix is None else norm(fix.v_ned) > MAX_SPEED
-    still = not moves and _is_quiet(reading, bias, parameters)
-    gyro_change = sub(reading.gyro, alignment.gyro)
-    unseen_rotation_variance = (parameters.gyro_aliasing * norm(sub(gyro_change, alignment.gyro_change)) * dt_s) ** 2
+    history = appended(alignment.history, sample.t_ns, delta_velocity)
+    is_still = not _moves(inputs) and is_unaccelerated(
+        sub(reading.gyro, bias), reading.accel, parameters.gravity, LIMITS
+    )
+    still = alignment.still
     return Alignment(
-        q_start_body,
-        reading.gyro,
+        rotation,
         specific_force,
         history,
-        _with_fix(alignment.fixes, fix, history, parameters),
-        alignment.last_mag if mag is None else mag,
-        field_sum,
-        alignment.field_count + (0 if field is None else 1),
-        add(alignment.still_delta_velocity, delta_velocity) if still else (0.0, 0.0, 0.0),
-        alignment.still_s + dt_s if still else 0.0,
+        _with_fix(alignment.fixes, inputs.velocity, history, parameters),
+        _with_field(alignment.field, sample, rotation.q_start_body, scale(rate, -0.5 * parameters.mag_delay_s)),
+        StillPeriod(add(still.delta_velocity, delta_velocity), still.duration_s + dt_s)
+        if is_still
+        else StillPeriod((0.0, 0.0, 0.0), 0.0),
         alignment.elapsed_s + dt_s,
-        gyro_change,
-        alignment.unseen_rotation_variance + unseen_rotation_variance,
-        False,
+        began_saturated=False,
     )
 
 
-def _is_quiet(reading: Reading, bias: Vec3, parameters: FlightParameters) -> bool:
-    """True for a reading as at rest."""
-    return norm(sub(reading.gyro, bias)) < STILL_RATE and abs(norm(reading.accel) - parameters.gravity) < STILL_ACCEL
+def _rotated(
+    before: RotationSinceStart, reading: Reading, rate: Vec3, dt_s: float, parameters: FlightParameters
+) -> RotationSinceStart:
+    """The rotation after a step at this mean rate, rad/s."""
+    gyro_change = sub(reading.gyro, before.gyro)
+    second_difference = norm(sub(gyro_change, before.gyro_change))
+    return RotationSinceStart(
+        q_unit(q_mul(before.q_start_body, q_exp(scale(rate, 0.5 * dt_s)))),
+        reading.gyro,
+        gyro_change,
+        before.unseen_variance + (parameters.gyro_aliasing * second_difference * dt_s) ** 2,
+    )
+
+
+def _moves(inputs: FilterInputs) -> bool:
+    """True when the vehicle is known to move: by a fix, or by an airspeed, for a climb is as quiet as standing."""
+    fix = inputs.velocity
+    if fix is None:
+        return not inputs.zero_mean_velocity and has_airspeed_of_flight(inputs)
+    return norm(fix.v_ned) > MAX_SPEED
+
+
+def _with_field(before: FieldSum, sample: ImuSample, q_start_body: Quat, back: Vec3) -> FieldSum:
+    """The fields with the sample's, if it is a new one. back: half the rotation vector back to its time, rad."""
+    if sample.mag is None or sample.mag == before.last_reading:
+        return before
+    field = field_of(sample)
+    if field is None:
+        return FieldSum(sample.mag, before.total, before.count)
+    direction = rotate(q_mul(q_start_body, q_exp(back)), unit(field))
+    return FieldSum(sample.mag, add(before.total, direction), before.count + 1)
 
 
 def _with_fix(
@@ -161,15 +199,13 @@ def _with_fix(
     parameters: FlightParameters,
 ) -> tuple[AlignmentFix, ...]:
     """The fixes with a new one, if it is new and from after the start."""
-    if fix is None or not is_velocity(fix):
+    if fix is None or not is_velocity(fix.v_ned):
         return fixes
-    if fixes and fix.t_ns - fixes[-1].source_ns < int(1e9 * parameters.fix_spacing_s) - 1_000_000:
+    if fixes and fix.t_ns - fixes[-1].message_ns < int(1e9 * parameters.fix_spacing_s) - 1_000_000:
         return fixes
     t_ns = time_of_validity(fix, nominal_delay_s(fix, parameters), parameters)
     past = look_back(history, t_ns)
     if past is None:
         return fixes
-    new = AlignmentFix(
-        fix.t_ns, t_ns, sub(history.newest.delta_velocity, past.delta_velocity), fix.v_ned, fix.vertical_known
-    )
-    return (*fixes[-MAX_FIXES:], new)
+    gained = sub(history.newest.delta_velocity, past.delta_velocity)
+    return (*fixes[-MAX_FIXES:], AlignmentFix(fix.t_ns, t_ns, gained, fix.v_ned, fix.vertical_known))

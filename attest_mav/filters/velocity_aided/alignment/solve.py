@@ -1,8 +1,10 @@
-"""The first attitude: what an alignment has collected is solved for it, once that is good enough.
+"""Alignment: the first attitude, solved from the collected readings once it is known well enough.
 
 Each pair of fixes gives a direction twice: C u = dv - g dt, with u the integral of the specific force in the start's
 axes. Where the vertical velocity is not measured its part follows from the length of u. The magnetic field gives
 another direction, and Wahba's problem the attitude. At rest the mean specific force is gravity, and no fix is needed.
+(Vector observations: Wahba, SIAM Review 7, 1965; levelling: Groves, Principles of GNSS, Inertial, and Multisensor
+Integrated Navigation Systems, 2nd ed., section 5.6.)
 """
 
 from enum import IntEnum
@@ -19,31 +21,33 @@ from attest_mav.matrices import add_diagonal
 from attest_mav.types import Mat3, Quat, Vec3
 
 MIN_BASE_S: Final = 0.45
-"""Two fixes this far apart give a direction."""
+"""Two fixes this far apart give a direction, s."""
 LEAST_FORCE: Final = 1.0
 """m/s^2: a mean specific force below this (gravity's is ten) has no direction: free fall, or a dead accelerometer."""
 GAIN_SIGMA: Final = 0.12
 """m/s: of the velocity gained between two fixes, in each axis."""
 FIELD_SIGMA: Final = 0.03
-"""Of the direction of the field, with what calibration leaves of the iron, rad."""
+"""rad: of the direction of the field, with the hard iron that calibration leaves."""
 STILL_S: Final = 0.4
-"""Still for this long, the vehicle aligns at rest."""
+"""Still for this long, the vehicle aligns at rest, s."""
 FIELD_PATIENCE_S: Final = 2.0
-"""At rest it waits this long for a magnetometer."""
+"""At rest the alignment waits this long for a magnetometer, s."""
 STATIONARY_TILT: Final = 0.03
 """rad: of a vehicle at rest, with what the accelerometer's bias and a rocking hull do to it."""
 STATIONARY_HEADING: Final = 0.35
-"""rad: wide, so that the first magnetometer row sets it, together with the iron that it may be due to."""
+"""rad: wide, so that the first magnetometer measurement sets it, together with the iron that it may be due to."""
 STATIONARY_SPEED: Final = 0.3
-"""m/s."""
+"""m/s: 1-sigma of the velocity of a vehicle at rest."""
 ASSUMED_GRAVITY_TILT: Final = 0.35
 """rad: of an attitude that takes acceleration for gravity, in an unknown manoeuvre."""
 ASSUMED_GRAVITY_HEADING: Final = 0.7
+"""rad: the same for its heading by the field."""
 ASSUMED_GRAVITY_SPEED: Final = 10.0
+"""m/s: the same for its velocity."""
 
 
 class AlignmentMethod(IntEnum):
-    """What a first attitude was made of."""
+    """The readings that a first attitude was made of."""
 
     STATIONARY = 0
     """Gravity, of a vehicle at rest."""
@@ -55,29 +59,34 @@ class AlignmentMethod(IntEnum):
 
 @mypyc_attr(acyclic=True)
 class InitialState:
-    """Where the filter begins: attitude and velocity (NED, m/s) now, and how well they are known.
-
-    attitude: covariance of the attitude's error, rad^2. velocity_sigma: m/s.
-    """
+    """Where navigation begins."""
 
     def __init__(
         self, q_nb: Quat, attitude: Mat3, velocity: Vec3, velocity_sigma: float, method: AlignmentMethod
     ) -> None:
         self.q_nb: Final = q_nb
+        """Body to NED, now."""
         self.attitude: Final = attitude
+        """Covariance of its error as a rotation in NED, rad^2."""
         self.velocity: Final = velocity
+        """NED, now, m/s."""
         self.velocity_sigma: Final = velocity_sigma
+        """1-sigma of each component, m/s."""
         self.method: Final = method
+        """What it was made of."""
 
 
 def solve_alignment(
     alignment: Alignment, declination: float, inclination: float, parameters: FlightParameters
 ) -> InitialState | None:
-    """Where to begin, None while that is not known well enough. declination, dip: rad, dip NaN when it is not known."""
-    if alignment.still_s >= STILL_S and (alignment.field_count > 0 or alignment.elapsed_s > FIELD_PATIENCE_S):
-        return _by_gravity(alignment, alignment.still_delta_velocity, declination, AlignmentMethod.STATIONARY)
+    """Where to begin, None while that is not known well enough.
+
+    declination, inclination: of the field, rad; inclination NaN when it is not known.
+    """
+    if alignment.still.duration_s >= STILL_S and (alignment.field.count > 0 or alignment.elapsed_s > FIELD_PATIENCE_S):
+        return _by_gravity(alignment, alignment.still.delta_velocity, declination, AlignmentMethod.STATIONARY)
     pairs = _vector_pairs(alignment, declination, inclination, parameters)
-    fit = _with_unseen_rotation(solve_wahba(pairs), alignment.unseen_rotation_variance) if pairs else None
+    fit = _with_unseen_rotation(solve_wahba(pairs), alignment.rotation.unseen_variance) if pairs else None
     if fit is not None and (_is_good_enough(fit, parameters) or alignment.elapsed_s > parameters.align_patience_s):
         return _by_velocity(alignment, fit, parameters)
     force_felt = norm(alignment.history.newest.delta_velocity) > LEAST_FORCE * alignment.elapsed_s
@@ -91,14 +100,14 @@ def solve_alignment(
 def _by_gravity(
     alignment: Alignment, delta_velocity: Vec3, declination: float, method: AlignmentMethod
 ) -> InitialState:
-    """Begin as if ``gain`` pointed up, at rest or as a guess."""
+    """Begin as if ``delta_velocity`` (start's axes, m/s) pointed up: at rest, or as a guess."""
     stationary = method == AlignmentMethod.STATIONARY
     tilt, heading = (
         (STATIONARY_TILT, STATIONARY_HEADING) if stationary else (ASSUMED_GRAVITY_TILT, ASSUMED_GRAVITY_HEADING)
     )
     down = scale(delta_velocity, -1.0 / norm(delta_velocity))
-    east = cross(down, alignment.field_sum)
-    known = alignment.field_count > 0 and norm(east) > LEAST_ANGLE * alignment.field_count
+    east = cross(down, alignment.field.total)
+    known = alignment.field.count > 0 and norm(east) > LEAST_ANGLE * alignment.field.count
     first = VectorPair(down, (0.0, 0.0, 1.0), 1.0)
     if known:
         q_nb = triad(first, VectorPair(unit(east), (-sin(declination), cos(declination), 0.0), 1.0))
@@ -110,7 +119,7 @@ def _by_gravity(
     attitude = ((tilt * tilt, 0.0, 0.0), (0.0, tilt * tilt, 0.0), (0.0, 0.0, variance))
     velocity = alignment.fixes[-1].v_ned if alignment.fixes else (0.0, 0.0, 0.0)
     sigma = STATIONARY_SPEED if stationary else ASSUMED_GRAVITY_SPEED
-    return InitialState(q_mul(q_nb, alignment.q_start_body), attitude, velocity, sigma, method)
+    return InitialState(q_mul(q_nb, alignment.rotation.q_start_body), attitude, velocity, sigma, method)
 
 
 def _by_velocity(alignment: Alignment, fit: AttitudeFit, parameters: FlightParameters) -> InitialState:
@@ -120,7 +129,7 @@ def _by_velocity(alignment: Alignment, fit: AttitudeFit, parameters: FlightParam
     x, y, z = add(last.v_ned, rotate(fit.q_nb, sub(newest.delta_velocity, last.delta_velocity)))
     velocity = (x, y, z + parameters.gravity * (newest.t_ns - last.t_ns) * 1e-9)
     return InitialState(
-        q_mul(fit.q_nb, alignment.q_start_body),
+        q_mul(fit.q_nb, alignment.rotation.q_start_body),
         fit.covariance,
         velocity,
         parameters.velocity_sigma,
@@ -129,7 +138,7 @@ def _by_velocity(alignment: Alignment, fit: AttitudeFit, parameters: FlightParam
 
 
 def _with_unseen_rotation(fit: AttitudeFit | None, unseen_rotation_variance: float) -> AttitudeFit | None:
-    """The fit, its covariance with what the gyro may have missed since the start."""
+    """The fit, its covariance with the rotation that the gyro may have missed since the start, rad^2."""
     return None if fit is None else AttitudeFit(fit.q_nb, add_diagonal(fit.covariance, unseen_rotation_variance))
 
 
@@ -157,9 +166,9 @@ def _vector_pairs(
         if fix.t_ns - link.t_ns >= base_ns:
             pairs += _delta_velocity_pairs(link, fix, parameters)
             link = fix
-    if alignment.field_count > 0 and isfinite(inclination) and norm(alignment.field_sum) > 0.0:
+    if alignment.field.count > 0 and isfinite(inclination) and norm(alignment.field.total) > 0.0:
         world = (cos(inclination) * cos(declination), cos(inclination) * sin(declination), sin(inclination))
-        pairs.append(VectorPair(unit(alignment.field_sum), world, FIELD_SIGMA**2))
+        pairs.append(VectorPair(unit(alignment.field.total), world, FIELD_SIGMA**2))
     return pairs
 
 

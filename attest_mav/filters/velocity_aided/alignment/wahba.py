@@ -1,4 +1,9 @@
-"""The attitude that best fits pairs of directions (Wahba's problem), by Newton's method from that of two of them."""
+"""Wahba's problem: the attitude that best fits pairs of directions, by Newton's method from that of two of them.
+
+Wahba, A least squares estimate of satellite attitude, SIAM Review 7 (1965); the start is the TRIAD of Shuster and Oh,
+Three-axis attitude determination from vector observations, J. Guidance and Control 4 (1981). A closed solution would
+need eigenvectors; from a start that is right to some degrees, five Newton steps leave nothing, and give the covariance.
+"""
 
 from typing import Final
 
@@ -23,28 +28,33 @@ from attest_mav.matrices import diagonal, inverse, mat_add, mat_scale, minus_out
 from attest_mav.types import Mat3, Quat, Vec3
 
 STEPS: Final = 5
-"""The start is right to a few degrees, and Newton's method squares its error."""
+"""Newton steps: the start is right to a few degrees, and each step squares the error."""
 LEAST_ANGLE: Final = 0.08
 """Sine of the angle (5 deg) below which two directions do not make an attitude."""
 
 
 @mypyc_attr(acyclic=True)
 class VectorPair:
-    """The same direction seen from the body and in NED, both of unit length, with its variance per axis, rad^2."""
+    """The same direction seen from the body and in NED."""
 
     def __init__(self, body: Vec3, world: Vec3, variance: float) -> None:
         self.body: Final = body
+        """Unit length."""
         self.world: Final = world
+        """NED, unit length."""
         self.variance: Final = variance
+        """Of the angle between the two, about each axis, rad^2."""
 
 
 @mypyc_attr(acyclic=True)
 class AttitudeFit:
-    """An attitude, body to NED, and the covariance of its error as a rotation in NED, rad^2."""
+    """The solution of Wahba's problem."""
 
     def __init__(self, q_nb: Quat, covariance: Mat3) -> None:
         self.q_nb: Final = q_nb
+        """Body to NED."""
         self.covariance: Final = covariance
+        """Of its error as a rotation in NED, rad^2."""
 
 
 def solve_wahba(pairs: list[VectorPair]) -> AttitudeFit | None:
