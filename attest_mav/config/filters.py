@@ -116,6 +116,7 @@ class VelocityAidedConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=Tru
         low_pass, fix_delay = self.low_pass_hz, self.fix_delay_s
         parameters = FlightParameters(
             low_pass_hz=_FLIGHT.low_pass_hz if isinstance(low_pass, str) else low_pass,
+            low_pass_delay_sigma=_FLIGHT.low_pass_delay_sigma if isinstance(low_pass, str) else 0.0,
             fix_delay_s=_FLIGHT.fix_delay_s if isinstance(fix_delay, str) else fix_delay,
             mag_delay_s=self.mag_delay_s,
             accel_bias_sigma=self.accel_bias_sigma,

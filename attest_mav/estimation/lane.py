@@ -88,11 +88,12 @@ class Lane:
             return events
         # A filter that aligns itself has to know how long it has not seen the motion.
         dt_s = step.dt_s + self._frozen_s
+        missing = step.kind in (StepKind.GAP, StepKind.RESTART) or self._frozen_s > 0.0
         self._is_frozen, self._frozen_s = False, 0.0
         if not self._field.usable(sample, norm(sample.gyro) * step.dt_s, step.dt_s) and sample.mag is not None:
             sample = sample.with_readings(sample.gyro, sample.accel, None)
         self._inputs.advance(sample, step.dt_s)
-        self._step(sample, dt_s, events)
+        self._step(sample, dt_s, missing, events)
         if not self._aligned:
             self._align(sample, step.dt_s, events)
         self._estimate(sample, step, events)
@@ -149,7 +150,7 @@ class Lane:
         heading = "magnetic heading" if start.north == North.MAGNETIC else "no heading: it starts at zero"
         self._tell(events, LaneEventKind.ALIGNED, sample, f"aligned {manner}, {heading}")
 
-    def _step(self, sample: ImuSample, dt_s: float, events: list[Event]) -> None:
+    def _step(self, sample: ImuSample, dt_s: float, missing: bool, events: list[Event]) -> None:
         """One step of the filter if it runs; one that leaves the unit sphere sends the lane back to alignment."""
         run = self._run
         if run.state is None:
@@ -157,7 +158,7 @@ class Lane:
             return
         if not self._aligned and not run.filter.aligns_itself:
             return
-        state = run.filter.step(run.state, dt_s, sample, self._inputs.give(sample, run.output, run.north))
+        state = run.filter.step(run.state, dt_s, sample, self._inputs.give(sample, run.output, run.north, missing))
         run.state = state
         length = q_norm(state.q_nb)
         if not isfinite(length) or length < 0.5:

@@ -54,8 +54,11 @@ class LaneInputs:
         """
         return self._sensors.quiet and self._vehicle.stands is True
 
-    def give(self, sample: ImuSample, q_nb: Quat, north: North) -> FilterInputs:
-        """The inputs at this sample for a filter that holds this attitude; a speed is new once."""
+    def give(self, sample: ImuSample, q_nb: Quat, north: North, samples_missing: bool = False) -> FilterInputs:
+        """The inputs at this sample for a filter that holds this attitude; a speed is new once.
+
+        samples_missing: see ``FilterInputs``.
+        """
         vehicle, now_ns = self._vehicle, sample.rx_ns
         moving = vehicle.body_velocity(now_ns, q_nb, north)
         body_velocity: BodyVelocity | None = None
@@ -75,6 +78,7 @@ class LaneInputs:
             vehicle.airspeed(now_ns),
             vehicle.goes_where_it_points,
             vehicle.zero_mean_velocity(now_ns),
+            samples_missing,
         )
 
     def _velocity(self, now_ns: int) -> VelocitySample | None:

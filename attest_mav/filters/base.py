@@ -80,6 +80,7 @@ class FilterInputs:
         airspeed: Airspeed | None = None,
         goes_where_it_points: bool = False,
         zero_mean_velocity: bool = True,
+        samples_missing: bool = False,
     ) -> None:
         self.body_velocity: Final = body_velocity
         """For filters that level themselves by it; its source is a setting. None where nobody tells one."""
@@ -101,6 +102,8 @@ class FilterInputs:
         """Through the air the vehicle moves along its nose (a wing)."""
         self.zero_mean_velocity: Final = zero_mean_velocity
         """True unless the vehicle is armed or fast: the filter may then assume that velocity averages to zero."""
+        self.samples_missing: Final = samples_missing
+        """This step is much longer than the stream's usual one, so that motion may have gone unseen."""
 
     def with_velocity(self, velocity: VelocitySample | None) -> "FilterInputs":
         """The same inputs with another velocity over ground: an earlier one, one shifted in time, or none."""
@@ -115,6 +118,7 @@ class FilterInputs:
             airspeed=self.airspeed,
             goes_where_it_points=self.goes_where_it_points,
             zero_mean_velocity=self.zero_mean_velocity,
+            samples_missing=self.samples_missing,
         )
 
 

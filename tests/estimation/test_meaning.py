@@ -9,7 +9,7 @@ from attest_mav.estimation.vehicle import AidSettings
 from attest_mav.filters.velocity_aided.aids.gnss_velocity import nominal_delay_s
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.filters.velocity_aided.prediction import read
+from attest_mav.filters.velocity_aided.reading import read
 from attest_mav.types import (
     G_MPS2,
     AirDataSample,

@@ -6,16 +6,15 @@ mostly tilt, and in manoeuvres heading. The magnetometer turns the heading only 
 effect of telemetry (truncation, low-pass, delays, aliasing) is corrected or estimated.
 
 One filter serves every condition: it changes the aids that correct it, and says which (``AidingMode``).
-docs/filters/velocity-aided.md has the equations, docs/measurements.md the contribution of each part. An integrated
-navigation without position: Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd
-ed., chapter 14.
+docs/flight.md has the equations, and the figures with each part left out. An integrated navigation without position:
+Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., chapter 14.
 """
 
 from dataclasses import dataclass, field, replace
 from math import asin, exp, hypot, isfinite, nan, pi
 from typing import Final, cast
 
-from attest_mav.algebra import clamp, heading_between, q_continuous, q_exp, q_mul, scale, sub, tilt_between
+from attest_mav.algebra import clamp, heading_between, q_continuous, q_exp, q_mul, rotate, scale, sub, tilt_between
 from attest_mav.filters.base import AttitudeFilter, FilterInputs, FilterState, Start
 from attest_mav.filters.velocity_aided.aids.field import FieldResidual, field_residual
 from attest_mav.filters.velocity_aided.aids.gnss_velocity import low_pass_delay_s
@@ -28,6 +27,7 @@ from attest_mav.filters.velocity_aided.alignment.solve import (
     solve_alignment,
 )
 from attest_mav.filters.velocity_aided.control import navigate
+from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, body_rate
 from attest_mav.filters.velocity_aided.navigation import AidingMode, Navigation
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
@@ -36,8 +36,14 @@ from attest_mav.filters.velocity_aided.state import VelocityAidedState
 from attest_mav.plausible import is_rate
 from attest_mav.types import ImuSample, Quat, Vec3, VehicleSettings
 
-LONGEST_STEP_S: Final = 1.0
-"""After a longer gap the attitude is lost, and alignment begins again, s."""
+LONGEST_GAP_S: Final = 1.0
+"""Where samples are missing for longer the attitude is lost, and alignment begins again, s."""
+LONGEST_STEP_S: Final = 3.0
+"""The same of a step of usual length: a stream of 1 Hz is slow, and has no gap in it."""
+UNSEEN_GAP_S: Final = 0.25
+"""Where samples are missing for longer a rotation may have gone unseen, s,"""
+UNSEEN_RATE: Final = 1.0
+"""rad/s: of this rate."""
 MAX_TILT_SIGMA: Final = 0.6
 """rad: with a tilt less certain than this the measurements are not linear in the error any more, and lead astray."""
 RESET_SIGMA_S: Final = 10.0
@@ -97,6 +103,8 @@ class VelocityAided(AttitudeFilter):
         """The filter with the known settings. One that navigates goes on estimating the delay from where it is."""
         parameters = self.parameters
         low_pass = self.low_pass_from_vehicle and isfinite(known.low_pass_hz)
+        if low_pass:
+            parameters = replace(parameters, low_pass_delay_sigma=0.0)
         fix_delay = self.fix_delay_from_vehicle and isfinite(known.fix_delay_s)
         informed = replace(
             parameters,
@@ -114,7 +122,7 @@ class VelocityAided(AttitudeFilter):
         return VelocityAidedState(start.q_nb, start.gyro_bias, False, False, pi, pi, None, None, 0.0, False, 0.0)
 
     def step(self, state: FilterState, dt_s: float, sample: ImuSample, inputs: FilterInputs) -> VelocityAidedState:
-        """One step; ``dt_s`` may be longer than 1 s: then alignment begins again."""
+        """One step; ``dt_s`` may be of any length: after too long a one alignment begins again."""
         before = cast("VelocityAidedState", state)
         if not (is_rate(sample.gyro) and dt_s > 0.0):
             return before
@@ -125,9 +133,9 @@ class VelocityAided(AttitudeFilter):
             return self._align(before, None, reading, sample, inputs, dt_s)
         navigation = navigation.with_declination(inputs.declination, parameters)
         reading = read(sample, navigation.imu.accel)
-        if before.alignment is not None or dt_s > LONGEST_STEP_S:
+        if before.alignment is not None or _is_lost(dt_s, inputs):
             return self._align(before, navigation, reading, sample, inputs, dt_s)
-        navigation = navigate(navigation, reading, sample, inputs, dt_s, parameters)
+        navigation = navigate(_after_gap(navigation, dt_s, inputs), reading, sample, inputs, dt_s, parameters)
         nav = navigation.estimate
         if not nav.is_valid:
             start = new_alignment(reading, sample.t_ns)
@@ -169,16 +177,16 @@ class VelocityAided(AttitudeFilter):
         """One sample more for the alignment, or its end."""
         parameters = self.parameters
         alignment = before.alignment
-        if alignment is None or dt_s > LONGEST_STEP_S or sample.saturated or alignment.began_saturated:
+        if alignment is None or _is_lost(dt_s, inputs) or sample.saturated or alignment.began_saturated:
             alignment = new_alignment(reading, sample.t_ns)
         else:
             alignment = accumulate(alignment, reading, sample, inputs, before.gyro_bias, dt_s, parameters)
         declination, inclination = _field_angles(navigation, inputs)
         initial = solve_alignment(alignment, declination, inclination, parameters)
         gap_s = before.gap_s + dt_s
-        by_innovations = before.reset_by_innovations and dt_s <= LONGEST_STEP_S
+        by_innovations = before.reset_by_innovations and not _is_lost(dt_s, inputs)
         if initial is None:
-            turn = scale(sub(reading.gyro, before.gyro_bias), 0.5 * min(dt_s, LONGEST_STEP_S))
+            turn = scale(sub(reading.gyro, before.gyro_bias), 0.5 * min(dt_s, LONGEST_GAP_S))
             q_nb = q_mul(before.q_nb, q_exp(turn))
             sigma = before.reset_sigma
             return _aligning_state(q_nb, before.gyro_bias, alignment, navigation, gap_s, by_innovations, sigma)
@@ -195,19 +203,36 @@ class VelocityAided(AttitudeFilter):
         nav = navigation.estimate
         rate = body_rate(nav, navigation.imu.gyro)
         q_nb = q_mul(nav.q_nb, q_exp(scale(rate, 0.5 * low_pass_delay_s(self.parameters))))
+        # A low-pass that is only assumed leaves the attitude uncertain along the rotation.
+        lag_x, lag_y, lag_z = scale(rotate(q_nb, rate), self.parameters.low_pass_delay_sigma)
+        tilt_sigma = hypot(nav.tilt_sigma, reset_sigma, lag_x, lag_y)
         return VelocityAidedState(
             q_continuous(q_nb, previous),
             nav.gyro_bias,
             navigation.mode == AidingMode.GRAVITY,
             navigation.magnetometer.used,
-            hypot(nav.tilt_sigma, reset_sigma),
-            hypot(nav.heading_sigma, reset_sigma),
+            tilt_sigma,
+            hypot(nav.heading_sigma, reset_sigma, lag_z),
             None,
             navigation,
             0.0,
             False,
             reset_sigma,
         )
+
+
+def _is_lost(dt_s: float, inputs: FilterInputs) -> bool:
+    """True when the motion during the step is not known."""
+    return dt_s > (LONGEST_GAP_S if inputs.samples_missing else LONGEST_STEP_S)
+
+
+def _after_gap(navigation: Navigation, dt_s: float, inputs: FilterInputs) -> Navigation:
+    """The navigation with the rotation in sigma that a gap may have hidden."""
+    if not inputs.samples_missing or dt_s < UNSEEN_GAP_S:
+        return navigation
+    variance = (UNSEEN_RATE * dt_s) ** 2
+    estimate = navigation.estimate.with_added_variance(ErrorBlock.ATTITUDE, (variance, variance, variance))
+    return navigation.with_estimate(estimate)
 
 
 def _field_angles(navigation: Navigation | None, inputs: FilterInputs) -> tuple[float, float]:

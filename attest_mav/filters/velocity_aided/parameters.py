@@ -14,6 +14,7 @@ class FlightParameters:
 
     low_pass_hz: corner of the autopilot's second-order low-pass on gyro and accelerometer (INS_GYRO_FILTER); 0 for
     none. Its group delay is added to the output; wrong by 10 Hz it costs some milliseconds of the turn rate.
+    low_pass_delay_sigma: of that delay, s, while the corner is only assumed; 0 once it is known.
     fix_delay_s, fix_delay_sigma: age of the velocity in GPS_RAW_INT at the time it names (GPS_DELAY_MS); it is
     estimated from there. own_delay_s, own_delay_sigma: the same for velocities of the autopilot's own filter.
     mag_delay_s, mag_delay_sigma: lag of the magnetometer, estimated from there. RAW_IMU repeats a 10 Hz mean.
@@ -58,6 +59,7 @@ class FlightParameters:
     """
 
     low_pass_hz: float = 20.0
+    low_pass_delay_sigma: float = 0.008
     fix_delay_s: float = 0.10
     fix_delay_sigma: float = 0.04
     own_delay_s: float = 0.01

@@ -149,9 +149,11 @@ def _fuse_axes(
     force = past.specific_force
     accel = deadband((force[0], force[1], force[2] + parameters.gravity), DEADBAND_ACCEL)
     jitter = parameters.fix_jitter_s**2 * dot(accel, accel)
-    variance = sigma * sigma + jitter
+    # The receiver knows of some of its errors; it must not count as a contradiction where it says that it is poor.
+    reported = 0.0 if fix.sigma is None else fix.sigma * fix.sigma
+    variance = max(sigma * sigma, reported) + jitter
     # For the consistency test the noise may not adapt upwards: a wrong attitude would inflate its own test limit.
-    trusted = min(sigma, parameters.velocity_sigma) ** 2 + jitter
+    trusted = max(min(sigma, parameters.velocity_sigma) ** 2, reported) + jitter
     residuals: list[float] = []
     variances: list[float] = []
     fusion = Fusion.USED
