@@ -20,7 +20,9 @@ from attest_mav.mavlink.constants import INERTIAL_MESSAGES, MAV_COMP_ID_AUTOPILO
 from attest_mav.mavlink.dialect import Dialect, load_dialect
 from attest_mav.mavlink.wire.framer import Frame, Framer
 from attest_mav.sim.commands import UNDERSTOOD, Commands
-from attest_mav.sim.messages import Messages, within
+from attest_mav.sim.faults import Effect, FaultSchedule, Part, has
+from attest_mav.sim.lanes import Lanes
+from attest_mav.sim.messages import Messages
 from attest_mav.sim.motion import Motion
 from attest_mav.sim.parameters import ParameterTable
 from attest_mav.sim.personality import personality_of
@@ -53,18 +55,10 @@ class FakeAutopilot:
         self.sensor_hz = self.loop_hz * self.oversample
         dialect = load_dialect() if dialect is None else dialect
         firmware = self.personality
-        self.sensors = SensorSuite(
-            self.trajectory,
-            settings.errors,
-            settings.earth.field_ned(),
-            self.sensor_hz,
-            firmware.lowpass_hz,
-            firmware.mag_period_ns,
-            firmware.mag_per_mean,
-            settings.first_fix_s,
-            seed,
-        )
-        report = AttitudeReport(self.trajectory, settings.attitude_error, settings.faults, seed)
+        self.faults = FaultSchedule(settings.faults)
+        self.sensors = SensorSuite(settings, firmware, self.trajectory, self.faults, self.sensor_hz, seed)
+        self.lanes = Lanes(self.sensors, seed)
+        report = AttitudeReport(settings.attitude_error, self.lanes, self.faults, seed)
         parameters = ParameterTable(firmware, settings, self.trajectory.is_plane)
         self.messages = Messages(settings, firmware, dialect, self.trajectory, self.sensors, report, parameters)
         self.commands = Commands(settings.system, MAV_COMP_ID_AUTOPILOT1, firmware, dialect, parameters)
@@ -75,7 +69,9 @@ class FakeAutopilot:
         self.tick = 0
         self.boot_ns = 0
         self.silent_until_ns = 0
-        self.reboot_ns = round(min(settings.faults.reboot_at_s, 1e9) * 1e9)
+        self.reboots_ns = self.faults.starts_ns(Part.VEHICLE, Effect.REBOOT)
+        self.texts: list[tuple[int, str]] = []
+        """STATUSTEXTs that go out with the next message that is due: severity and text."""
         self.streams = self._booted_streams()
 
     def _checked_loop_rate(self) -> int:
@@ -136,18 +132,26 @@ class FakeAutopilot:
 
     def _sample(self, t_ns: int) -> Motion:
         motion = self.trajectory.at(t_ns * 1e-9)
-        self.sensors.update(t_ns, motion, saturated=within(self.settings.faults.imu_saturated, t_ns * 1e-9))
+        self.sensors.update(t_ns, motion)
+        if self.settings.faults and self.lanes.step(1.0 / self.sensor_hz, t_ns, motion):
+            lane = self.lanes.selected
+            self.texts += [(severity, text.format(lane)) for severity, text in self.personality.lane_texts]
         return motion
 
     def _loop(self, t_ns: int, motion: Motion, out: list[bytes]) -> None:
-        if t_ns >= self.reboot_ns > self.boot_ns:
+        if self.reboots_ns and t_ns >= self.reboots_ns[0]:
+            del self.reboots_ns[0]
             self._reboot(t_ns)
         arrived = self._take_inbox(t_ns)
         if t_ns < self.silent_until_ns:
             return
         self.messages.begin(t_ns, self.boot_ns, motion)
-        for name in self.streams.take_due(t_ns - self.boot_ns):
+        due = self.streams.take_due(t_ns - self.boot_ns)
+        for name in due:
             self._send(name, None, out)
+        if due:
+            out += [self.encoder.statustext(severity, text) for severity, text in self.texts]
+            self.texts.clear()
         for frame in arrived:
             for name, payload in self.commands.answer(frame, self.streams, t_ns, self.boot_ns):
                 self._send(name, payload, out)
@@ -160,13 +164,20 @@ class FakeAutopilot:
         return arrived
 
     def _send(self, name: str, payload: bytes | None, out: list[bytes]) -> None:
-        if name in INERTIAL_MESSAGES and within(self.settings.faults.imu_silent, self.messages.t_s):
+        if name in INERTIAL_MESSAGES and self._is_silent(name):
             return
         filled = self.messages.payload(name) if payload is None else payload
         out.append(self.encoder.frame(self.dialect.layout(name), filled))
+
+    def _is_silent(self, name: str) -> bool:
+        """Whether the sensor that an inertial message is about sends none."""
+        sensor = self.lanes.selected if name == "HIGHRES_IMU" else int(name == "SCALED_IMU2")
+        return has(self.faults.active(Part.IMU, self.messages.t_s, sensor), Effect.SILENT)
 
     def _reboot(self, t_ns: int) -> None:
         self.boot_ns = t_ns
         self.silent_until_ns = t_ns + round(REBOOT_S * 1e9)
         self.streams = self._booted_streams()
+        self.lanes.restart()
+        self.texts.clear()
         self.encoder = Encoder(self.dialect, self.settings.system, MAV_COMP_ID_AUTOPILOT1)

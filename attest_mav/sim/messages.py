@@ -3,6 +3,8 @@
 The units are the firmware's: integers are cut toward zero as a C cast does, which leaves a bias of half a unit.
 """
 
+from collections.abc import Callable
+from functools import partial
 from math import atan2, degrees, hypot, isnan
 from typing import Final
 
@@ -14,8 +16,8 @@ from attest_mav.sim.motion import Motion
 from attest_mav.sim.parameters import ParameterTable
 from attest_mav.sim.personality import Personality
 from attest_mav.sim.report import AttitudeReport
-from attest_mav.sim.sensors import NOTHING, SensorSuite
-from attest_mav.sim.settings import SimSettings, Span
+from attest_mav.sim.sensors import SensorSuite
+from attest_mav.sim.settings import SimSettings
 from attest_mav.sim.trajectory import STILL_S, Trajectory
 from attest_mav.sim.trim import trimmed_angles, trimmed_matrix, trimmed_quaternion
 from attest_mav.types import G_MPS2, Vec3
@@ -40,7 +42,10 @@ FIELDS: Final = {
         *("xacc", "yacc", "zacc", "xgyro", "ygyro", "zgyro", "lat", "lon", "alt", "vn", "ve", "vd"),
         *("lat_int", "lon_int"),
     ),
-    "GPS_RAW_INT": ("time_usec", "lat", "lon", "alt", "eph", "epv", "vel", "cog", "fix_type", "satellites_visible"),
+    "GPS_RAW_INT": (
+        *("time_usec", "lat", "lon", "alt", "eph", "epv", "vel", "cog"),
+        *("fix_type", "satellites_visible", "vel_acc"),
+    ),
     "GLOBAL_POSITION_INT": ("time_boot_ms", "lat", "lon", "alt", "relative_alt", "vx", "vy", "vz", "hdg"),
     "VFR_HUD": ("airspeed", "groundspeed", "alt", "climb", "heading", "throttle"),
     "SYSTEM_TIME": ("time_unix_usec", "time_boot_ms"),
@@ -55,11 +60,6 @@ def int16(value: float) -> int:
     if -32769.0 < value < 32768.0:
         return int(value)
     return 0 if isnan(value) else 32767 if value > 0.0 else -32768
-
-
-def within(span: Span, t_s: float) -> bool:
-    """Whether the time is in the span."""
-    return span[0] <= t_s < span[1]
 
 
 class Messages:
@@ -88,11 +88,11 @@ class Messages:
         self.t_ns = 0
         self.boot_us = 0
         self.motion: Motion = trajectory.at(0.0)
-        self.builders = {
+        self.builders: dict[str, Callable[[], tuple[float, ...]]] = {
             "HEARTBEAT": self.heartbeat,
             "RAW_IMU": self.raw_imu,
-            "SCALED_IMU": self.scaled_imu,
-            "SCALED_IMU2": self.scaled_imu2,
+            "SCALED_IMU": partial(self.scaled_imu, 0),
+            "SCALED_IMU2": partial(self.scaled_imu, 1),
             "SCALED_IMU3": self.scaled_imu3,
             "HIGHRES_IMU": self.highres_imu,
             "ATTITUDE": self.attitude,
@@ -131,15 +131,11 @@ class Messages:
         """ArduPilot's: calibrated, filtered, milli-units, and the time of sending in microseconds."""
         return (self.boot_us, *self._milli(0, self.sensors.mags[0].held))
 
-    def scaled_imu(self) -> tuple[int, ...]:
-        """ArduPilot: the same as RAW_IMU. PX4: with the magnetometer as the chip gives it."""
-        held = self.sensors.mags[0].held
+    def scaled_imu(self, unit: int) -> tuple[int, ...]:
+        """ArduPilot: as RAW_IMU, of either unit. PX4: with the magnetometer as the chip gives it."""
+        held = self.sensors.mags[unit].held
         mag = held if self.personality.takes_groups else self._uncalibrated(held)
-        return (self.boot_us // 1000, *self._milli(0, mag))
-
-    def scaled_imu2(self) -> tuple[int, ...]:
-        """The second unit."""
-        return (self.boot_us // 1000, *self._milli(1, self.sensors.mags[1].held))
+        return (self.boot_us // 1000, *self._milli(unit, mag))
 
     def scaled_imu3(self) -> tuple[int, ...]:
         """There is no third unit: ArduPilot then sends a magnetometer and no accelerometer or gyro."""
@@ -147,23 +143,20 @@ class Messages:
         return (self.boot_us // 1000, 0, 0, 0, 0, 0, 0, *(int16(m * 1000.0) for m in mag))
 
     def highres_imu(self) -> tuple[float, ...]:
-        """PX4's: its bias estimates, here perfect ones, are subtracted."""
-        imu, mag = self.sensors.imus[0], self.sensors.mags[0]
+        """PX4's selected unit: its bias estimates, here perfect ones, are subtracted."""
+        selected = self.report.lanes.selected
+        imu, mag = self.sensors.imus[selected], self.sensors.mags[selected]
         accel, gyro = sub(imu.accel.reading, imu.accel.bias), sub(imu.gyro.reading, imu.gyro.bias)
         updated = mavlink.HIGHRES_IMU_UPDATED_ACCEL | mavlink.HIGHRES_IMU_UPDATED_GYRO
         if mag.count != self.mag_count_sent:
             updated |= mavlink.HIGHRES_IMU_UPDATED_MAG
         self.mag_count_sent = mag.count
-        if within(self.settings.faults.imu_not_finite, self.t_s):
-            accel = gyro = (float("nan"),) * 3
         return (self.boot_us, *accel, *gyro, *mag.held, updated)
 
     def _milli(self, unit: int, mag: Vec3) -> tuple[int, ...]:
         """mG, mrad/s and mgauss."""
         imu = self.sensors.imus[unit]
         accel, gyro = imu.accel.reading, imu.gyro.reading
-        if within(self.settings.faults.imu_not_finite, self.t_s):
-            accel = gyro = NOTHING
         milli_g = 1000.0 / G_MPS2
         return (
             *(int16(value * milli_g) for value in accel),
@@ -209,19 +202,8 @@ class Messages:
     def gps_raw_int(self) -> tuple[int, ...]:
         """The latest fix and its time; the horizontal velocity as speed and course."""
         gps = self.sensors.gps
-        if not gps.fix_ns:
-            return (
-                0,
-                0,
-                0,
-                0,
-                mavlink.UINT16_MAX,
-                mavlink.UINT16_MAX,
-                mavlink.UINT16_MAX,
-                mavlink.UINT16_MAX,
-                mavlink.GPS_FIX_TYPE_NO_FIX,
-                0,
-            )
+        if not gps.has_fix:
+            return (*(0,) * 4, *(mavlink.UINT16_MAX,) * 4, mavlink.GPS_FIX_TYPE_NO_FIX, 0, 0)
         lat, lon, alt = self.earth.geodetic(gps.position)
         speed = hypot(gps.velocity[0], gps.velocity[1])
         course = degrees(atan2(gps.velocity[1], gps.velocity[0])) % 360.0
@@ -229,6 +211,7 @@ class Messages:
         return (
             *(fix_us, round(lat * 1e7), round(lon * 1e7), round(alt * 1e3)),
             *(80, 120, int(speed * 100.0), int(course * 100.0), mavlink.GPS_FIX_TYPE_3D_FIX, 14),
+            round(gps.accuracy * 1e3),
         )
 
     def global_position_int(self) -> tuple[int, ...]:

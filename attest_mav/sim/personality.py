@@ -24,9 +24,11 @@ from attest_mav.mavlink.constants import (
     MAV_PARAM_TYPE_REAL32,
     MAV_RESULT_DENIED,
     MAV_RESULT_FAILED,
+    MAV_SEVERITY_CRITICAL,
+    MAV_SEVERITY_WARNING,
     NO_DATA_STREAM,
 )
-from attest_mav.sim.sensors import GPS_DELAY_S
+from attest_mav.sim.receiver import GPS_DELAY_S
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,8 @@ class Personality:
     """Settings that are true of the simulated sensors."""
     version: int
     """flight_sw_version of AUTOPILOT_VERSION: major, minor and patch number, and the kind of release, a byte each."""
+    lane_texts: tuple[tuple[int, str], ...]
+    """What is said when another lane is selected: MAV_SEVERITY, and text in which {} stands for the lane's index."""
 
 
 ARDUPILOT_LOWPASS_HZ: Final = 20.0
@@ -116,6 +120,7 @@ ARDUPILOT: Final = Personality(
         Parameter("COMPASS_AUTODEC", 1.0, MAV_PARAM_TYPE_INT8),
     ),
     version=0x040600FF,
+    lane_texts=((MAV_SEVERITY_CRITICAL, "EKF3 lane switch {}"), (MAV_SEVERITY_WARNING, "EKF primary changed:{}")),
 )
 
 PX4: Final = Personality(
@@ -138,6 +143,7 @@ PX4: Final = Personality(
         Stream("VFR_HUD", 10.0),
         Stream("HIGHRES_IMU", 50.0, fast=True),
         Stream("SCALED_IMU", 50.0, fast=True),
+        Stream("SCALED_IMU2", 50.0, fast=True),
         Stream("GPS_RAW_INT", 5.0),
         Stream("SIM_STATE", 50.0, fast=True),
         Stream("SYSTEM_TIME", 1.0),
@@ -145,6 +151,7 @@ PX4: Final = Personality(
     ),
     parameters=(Parameter("EKF2_GPS_DELAY", 1e3 * GPS_DELAY_S, MAV_PARAM_TYPE_REAL32),),
     version=0x010F00FF,
+    lane_texts=(),
 )
 
 PERSONALITIES: Final = ("ardupilot", "px4")

@@ -1,15 +1,10 @@
 """What a simulation is made of: frozen records with a default for everything."""
 
 from dataclasses import dataclass, field
-from math import inf
 
 from attest_mav.sim.earth import Earth
+from attest_mav.sim.faults import Fault
 from attest_mav.types import Vec3
-
-Span = tuple[float, float]
-"""From (included) and to (not included), seconds from the start of the simulation."""
-
-NEVER: Span = (inf, inf)
 
 
 @dataclass(frozen=True)
@@ -44,25 +39,6 @@ PERFECT = SensorErrors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
-class Faults:
-    """What goes wrong, and when. Nothing does by default."""
-
-    attitude_offset: Vec3 = (0.0, 0.0, 0.0)
-    """Rotation vector in NED, rad, added to the reported attitude from ``attitude_offset_from_s`` on."""
-    attitude_offset_from_s: float = inf
-    attitude_frozen: Span = NEVER
-    """The reported attitude and its rates stay as they were; time goes on."""
-    imu_silent: Span = NEVER
-    """No IMU message of any kind is sent; all else is."""
-    imu_not_finite: Span = NEVER
-    """HIGHRES_IMU carries NaN. The integer messages cannot, and carry zeros, as a cast of NaN does on ARM."""
-    imu_saturated: Span = NEVER
-    """The gyro's x axis and the accelerometer's z axis are at the end of their range."""
-    reboot_at_s: float = inf
-    """The autopilot restarts: two seconds of silence, with clock, sequence numbers and streams as at first."""
-
-
-@dataclass(frozen=True)
 class SimSettings:
     """One simulated vehicle."""
 
@@ -88,4 +64,5 @@ class SimSettings:
     """GPS has no fix before, and GLOBAL_POSITION_INT no position."""
     mag_offset: Vec3 = (0.11, -0.06, 0.08)
     """gauss: the vehicle's own field, which PX4 leaves in SCALED_IMU. Calibrated messages are without it."""
-    faults: Faults = field(default_factory=Faults)
+    faults: tuple[Fault, ...] = ()
+    """What goes wrong, and when; ``fault_text.parse_faults`` reads what users write."""

@@ -18,7 +18,8 @@ from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.dialect import load_dialect
 from attest_mav.mavlink.wire.framer import Framer
 from attest_mav.sim.autopilot import FakeAutopilot
-from attest_mav.sim.settings import Faults, SimSettings
+from attest_mav.sim.fault_text import parse_faults
+from attest_mav.sim.settings import SimSettings
 from attest_mav.types import EarthField, Estimate, North
 
 SOURCES = {"ardupilot": "RAW_IMU", "px4": "HIGHRES_IMU"}
@@ -58,9 +59,9 @@ class Flight:
         return min((v.rx_ns * 1e-9 for v in self.verdicts if v.agreement is Agreement.DISAGREE), default=inf)
 
 
-def fly(until_s, filter_name="gradient-descent", **choices):
+def fly(until_s, filter_name="gradient-descent", faults=(), **choices):
     """One flight: advance to whichever deadline is next, the vehicle's or the pipeline's."""
-    settings = SimSettings(**({"fast_rate_hz": 50.0} | choices))
+    settings = SimSettings(**({"fast_rate_hz": 50.0} | choices), faults=parse_faults(faults))
     dialect = load_dialect()
     vehicle = FakeAutopilot(settings, 1, dialect)
     decoder = Decoder(dialect)
@@ -122,19 +123,18 @@ def test_the_gradient_descent_filter_takes_a_long_turn_for_level_flight():
 
 
 @pytest.mark.parametrize(
-    ("offset", "reason"),
-    [((radians(20.0), 0.0, 0.0), "tilt"), ((0.0, 0.0, radians(40.0)), "heading")],
+    ("fault", "reason"),
+    [("attitude-offset-north=20", "tilt"), ("attitude-offset-down=40", "heading")],
 )
-def test_a_jump_of_the_autopilots_attitude_is_told(offset, reason):
-    flight = fly(16.0, faults=Faults(attitude_offset=offset, attitude_offset_from_s=10.0))
+def test_a_jump_of_the_autopilots_attitude_is_told(fault, reason):
+    flight = fly(16.0, faults=[f"{fault}@10"])
     assert 10.5 <= flight.first_disagreement_s() < 10.8  # held for 0.6 s first
     assert flight.verdicts[-1].agreement is Agreement.DISAGREE
     assert flight.verdicts[-1].reason == reason
 
 
 def test_with_a_velocity_half_of_that_is_told():
-    offset = (radians(5.0), 0.0, 0.0)
-    flight = fly(16.0, "velocity-aided", faults=Faults(attitude_offset=offset, attitude_offset_from_s=10.0))
+    flight = fly(16.0, "velocity-aided", faults=["attitude-offset-north=5@10"])
     assert 10.5 <= flight.first_disagreement_s() < 10.8
     assert flight.verdicts[-1].reason == "tilt"
 
@@ -156,13 +156,13 @@ def test_a_first_fix_in_flight_is_no_shock(scenario):
 
 
 def test_a_frozen_attitude_is_told():
-    flight = fly(20.0, scenario="tumbling", faults=Faults(attitude_frozen=(12.0, inf)))
+    flight = fly(20.0, scenario="tumbling", faults=["attitude-frozen@12"])
     assert 12.0 < flight.first_disagreement_s() < 12.7
     assert "frozen" in {v.reason for v in flight.verdicts if v.agreement is Agreement.DISAGREE}
 
 
 def test_an_imu_that_stops_ends_the_estimates():
-    flight = fly(12.0, faults=Faults(imu_silent=(10.0, inf)))
+    flight = fly(12.0, faults=["imu-silent@10"])
     assert flight.kinds() == [LaneEventKind.ALIGNED, LaneEventKind.STOPPED]
     assert flight.estimates[-1].rx_ns == pytest.approx(9.98e9, abs=1)
     assert flight.lane_events[-1].rx_ns == pytest.approx(10.48e9, abs=2)
@@ -171,18 +171,18 @@ def test_an_imu_that_stops_ends_the_estimates():
 
 
 def test_a_short_gap_is_bridged_and_a_long_one_starts_again():
-    short = fly(20.0, scenario="square", faults=Faults(imu_silent=(14.0, 14.4)))
+    short = fly(20.0, scenario="square", faults=["imu-silent@14+0.4"])
     assert short.kinds() == [LaneEventKind.ALIGNED, LaneEventKind.GAP]
     assert short.worst()[0] < 20.0
     # A vehicle at rest: what a restart in flight costs is the aligner's affair, and tested there.
-    long = fly(12.0, scenario="still", faults=Faults(imu_silent=(5.0, 8.0)))
+    long = fly(12.0, scenario="still", faults=["imu-silent@5+3"])
     assert long.kinds()[:2] == [LaneEventKind.ALIGNED, LaneEventKind.STOPPED]
     assert long.kinds()[-2:] == [LaneEventKind.RESTARTED, LaneEventKind.ALIGNED]
     assert long.worst(from_s=8.0)[0] < 0.8
 
 
 def test_a_reboot_restarts_alignment_on_the_new_clock():
-    flight = fly(13.0, scenario="still", faults=Faults(reboot_at_s=6.0))
+    flight = fly(13.0, scenario="still", faults=["reboot@6"])
     assert flight.kinds() == [
         LaneEventKind.ALIGNED,
         LaneEventKind.STOPPED,
@@ -196,7 +196,7 @@ def test_a_reboot_restarts_alignment_on_the_new_clock():
 
 
 def test_what_is_not_a_number_never_reaches_an_estimate():
-    flight = fly(16.0, personality="px4", faults=Faults(imu_not_finite=(10.0, 10.5)))
+    flight = fly(16.0, personality="px4", faults=["imu-nan@10+0.5"])
     assert not [e for e in flight.estimates if 10e9 <= e.rx_ns < 10.5e9]
     for estimate in flight.estimates:
         assert sum(c * c for c in estimate.q_nb) == pytest.approx(1.0, abs=1e-9)
@@ -204,7 +204,7 @@ def test_what_is_not_a_number_never_reaches_an_estimate():
 
 
 def test_a_saturated_imu_is_not_believed():
-    flight = fly(30.0, scenario="still", faults=Faults(imu_saturated=(8.0, 8.2)))
+    flight = fly(30.0, scenario="still", faults=["imu-saturated@8+0.2"])
     for estimate in flight.estimates:
         assert sum(c * c for c in estimate.q_nb) == pytest.approx(1.0, abs=1e-9)
     # A gyro at 35 rad/s for 0.2 s is seven radians that did not happen; afterwards gravity and field pull it back.
@@ -214,7 +214,7 @@ def test_a_saturated_imu_is_not_believed():
 @pytest.mark.parametrize("scenario", ["coordinated-turns", "square"])
 def test_after_saturation_in_flight_it_aligns_again_and_nobody_is_accused(scenario):
     """Seven radians that did not happen are not worked off row by row: the velocity gives a new attitude."""
-    flight = fly(45.0, "velocity-aided", scenario=scenario, faults=Faults(imu_saturated=(30.0, 30.3)))
+    flight = fly(45.0, "velocity-aided", scenario=scenario, faults=["imu-saturated@30+0.3"])
     tilt, heading = flight.worst(from_s=35.0)
     assert tilt < 1.0
     assert heading < 2.0

@@ -10,7 +10,8 @@ import pytest
 from attest_mav.estimation.events import Agreement
 from attest_mav.mavlink.component.encoder import Encoder
 from attest_mav.mavlink.component.vehicle_data import DataSettings
-from attest_mav.sim.settings import PERFECT, Faults, SimSettings
+from attest_mav.sim.fault_text import parse_faults
+from attest_mav.sim.settings import PERFECT, SimSettings
 
 SECOND = 1_000_000_000
 BOOT, CALIBRATING, ACTIVE, CRITICAL, POWEROFF = 1, 2, 4, 5, 7
@@ -19,8 +20,8 @@ FOR_THE_FILTER = ["INS_GYRO_FILTER", "GPS1_DELAY_MS"]
 FOR_THE_FRAME = ["AHRS_TRIM_X", "AHRS_TRIM_Y", "AHRS_TRIM_Z", "AHRS_EKF_TYPE", "COMPASS_DEC", "COMPASS_AUTODEC"]
 
 
-def sim(scenario="still", **settings):
-    return SimSettings(scenario=scenario, fast_rate_hz=50.0, **settings)
+def sim(scenario="still", faults=(), **settings):
+    return SimSettings(scenario=scenario, fast_rate_hz=50.0, faults=parse_faults(faults), **settings)
 
 
 def test_inertial_messages_in_attitude_out(flight):
@@ -151,7 +152,7 @@ def test_without_requests_what_comes_is_used(flight):
 
 
 def test_when_the_imu_stops_publishing_stops_and_the_state_says_so(flight):
-    f = flight("", sim(faults=Faults(imu_silent=(5.0, 10.0))))
+    f = flight("", sim(faults=["imu-silent@5+5"]))
     f.run_until(5.0)
     assert f.service.fresh(f.now_ns)
     f.run_until(9.9)
@@ -168,7 +169,7 @@ def test_when_the_imu_stops_publishing_stops_and_the_state_says_so(flight):
 
 @pytest.mark.parametrize("stale_s", [0.1, 2.0])
 def test_the_time_to_stop_is_configured(flight, stale_s):
-    f = flight(f"[estimate]\nstale_s = {stale_s}", sim(faults=Faults(imu_silent=(5.0, 20.0))))
+    f = flight(f"[estimate]\nstale_s = {stale_s}", sim(faults=["imu-silent@5+15"]))
     f.run_until(5.0 + stale_s - 0.05)
     assert f.service.estimate is not None
     f.run_until(5.0 + stale_s + 0.01)
@@ -178,7 +179,7 @@ def test_the_time_to_stop_is_configured(flight, stale_s):
 def test_readings_that_are_not_finite_are_never_published(flight):
     f = flight(
         "[streams]\nimu_messages = ['HIGHRES_IMU']",
-        sim(personality="px4", faults=Faults(imu_not_finite=(5.0, 7.0))),
+        sim(personality="px4", faults=["imu-nan@5+2"]),
     )
     f.run_until(10.0)
     for message in f.of_type("ATTITUDE_QUATERNION"):
@@ -189,8 +190,7 @@ def test_readings_that_are_not_finite_are_never_published(flight):
 
 
 def test_a_wrong_autopilot_is_said(flight):
-    fault = Faults(attitude_offset=(0.5, 0.0, 0.0), attitude_offset_from_s=6.0)
-    f = flight("[[link]]\nurl = 'sim:'\n", sim(faults=fault))
+    f = flight("[[link]]\nurl = 'sim:'\n", sim(faults=["attitude-offset-north=29@6"]))
     f.run_until(5.9)
     assert f.of_type("HEARTBEAT")[-1].system_status == ACTIVE
     f.run_until(9.0)
@@ -210,7 +210,7 @@ def test_the_verdict_reaches_the_autopilots_log_where_wanted(flight):
 
 
 def test_a_reboot_realigns_and_asks_again(flight):
-    f = flight("", sim(faults=Faults(reboot_at_s=6.0)))
+    f = flight("", sim(faults=["reboot@6"]))
     f.run_until(5.9)
     asked = len(f.of_type("COMMAND_LONG"))
     f.run_until(14.0)
@@ -242,7 +242,7 @@ def test_the_settings_are_read_from_the_autopilot_before_the_first_sample(flight
 
 
 def test_the_settings_are_asked_again_after_a_reboot_and_hold_until_then(flight):
-    f = flight(VELOCITY_AIDED, sim(faults=Faults(reboot_at_s=4.0)))
+    f = flight(VELOCITY_AIDED, sim(faults=["reboot@4"]))
     f.run_until(3.0)
     f.service.receive(0, parameter(f, 60.0), f.now_ns)
     assert low_pass_hz(f) == 60.0

@@ -7,14 +7,15 @@ import pytest
 
 from attest_mav.estimation.events import Agreement
 from attest_mav.service.snapshot import Traffic, rates_between
-from attest_mav.sim.settings import Faults, SimSettings
+from attest_mav.sim.fault_text import parse_faults
+from attest_mav.sim.settings import SimSettings
 
 SECOND = 1_000_000_000
 RAW_IMU = 27
 
 
-def sim(scenario="still", **settings):
-    return SimSettings(scenario=scenario, fast_rate_hz=50.0, **settings)
+def sim(scenario="still", faults=(), **settings):
+    return SimSettings(scenario=scenario, fast_rate_hz=50.0, faults=parse_faults(faults), **settings)
 
 
 def counters(snapshot):
@@ -84,7 +85,7 @@ def test_a_snapshot_does_not_change_any_more(flight):
 
 
 def test_the_verdict_has_stood_since_it_changed(flight):
-    f = flight("", sim(faults=Faults(attitude_offset=(0.5, 0.0, 0.0), attitude_offset_from_s=6.0)))
+    f = flight("", sim(faults=["attitude-offset-north=29@6"]))
     f.run_until(5.9)
     agreed = f.snapshot().verdict
     assert agreed.verdict.agreement is Agreement.AGREE
@@ -124,7 +125,7 @@ def test_requests_and_refusals_are_seen(flight):
 
 
 def test_warnings_and_errors_are_counted(flight):
-    f = flight("", sim(faults=Faults(imu_silent=(3.0, 5.0))))
+    f = flight("", sim(faults=["imu-silent@3+2"]))
     f.run_until(2.9)
     assert (f.snapshot().notes.warnings, f.snapshot().notes.errors) == (0, 0)
     f.run_until(6.0)

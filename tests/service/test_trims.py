@@ -9,15 +9,16 @@ import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from attest_mav.estimation.events import Agreement
-from attest_mav.sim.settings import Faults, SimSettings
+from attest_mav.sim.fault_text import parse_faults
+from attest_mav.sim.settings import SimSettings
 
 AGREE, DISAGREE, UNDECIDED = Agreement.AGREE, Agreement.DISAGREE, Agreement.UNDECIDED
 PARAM_VALUE = mavlink.MAVLINK_MSG_ID_PARAM_VALUE
 
 
-def trimmed(trim_deg, scenario="hover", **settings):
+def trimmed(trim_deg, scenario="hover", faults=(), **settings):
     trim = (radians(trim_deg), 0.5 * radians(trim_deg), 0.0)
-    return SimSettings(scenario=scenario, fast_rate_hz=50.0, trim=trim, **settings)
+    return SimSettings(scenario=scenario, fast_rate_hz=50.0, trim=trim, faults=parse_faults(faults), **settings)
 
 
 def verdicts(f, until_s):
@@ -47,8 +48,7 @@ def test_a_healthy_vehicle_with_a_trim_agrees(flight, scenario, trim_deg):
 @pytest.mark.parametrize("trim_deg", [0.0, 4.0, -8.0])
 @pytest.mark.parametrize("from_s", [0.0, 20.0])
 def test_a_fault_beside_a_trim_is_found(flight, trim_deg, from_s):
-    fault = Faults(attitude_offset=(radians(5.0), 0.0, 0.0), attitude_offset_from_s=from_s)
-    f = flight("", trimmed(trim_deg, faults=fault))
+    f = flight("", trimmed(trim_deg, faults=[f"attitude-offset-north=5@{from_s}"]))
     assert (DISAGREE in agreements(f, 19.9)) == (from_s == 0.0)
     assert verdicts(f, 26.0)[-1] == (DISAGREE, "tilt")
 
@@ -66,7 +66,7 @@ def test_a_trim_that_is_set_in_flight_is_no_fault(flight):
 
 
 def test_the_trim_is_read_again_after_a_reboot(flight):
-    f = flight("", trimmed(4.0, "still", faults=Faults(reboot_at_s=15.0)))
+    f = flight("", trimmed(4.0, "still", faults=["reboot@15"]))
     assert DISAGREE not in agreements(f, 30.0)
     assert agreements(f, 40.0) == {AGREE}
     read = [one.param_id for one in f.of_type("PARAM_REQUEST_READ", 15.0)]

@@ -1,5 +1,5 @@
 from itertools import pairwise
-from math import inf, nan
+from math import inf, nan, radians
 
 import numpy as np
 import pytest
@@ -10,7 +10,8 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from attest_mav.algebra import heading_between, q_from_euler, tilt_between
 from attest_mav.errors import UsageError
 from attest_mav.sim.autopilot import FakeAutopilot
-from attest_mav.sim.settings import Faults, SimSettings
+from attest_mav.sim.fault_text import parse_faults
+from attest_mav.sim.settings import SimSettings
 
 S = 1_000_000_000
 END_NS = 3 * S
@@ -36,7 +37,8 @@ def run(cuts, seed=1, **choices):
         {"scenario": "hover"},
         {"scenario": "coordinated-turns"},
         {"personality": "px4", "loop_rate_hz": 250},
-        {"faults": Faults(reboot_at_s=1.5)},
+        {"faults": parse_faults(["reboot@1.5"])},
+        {"faults": parse_faults(["gyro1-stop@1.1", "attitude-frozen@2+0.5"])},
     ],
 )
 @given(cuts=st.lists(st.integers(0, END_NS), max_size=12))
@@ -54,7 +56,7 @@ def test_equal_seeds_give_equal_flights_and_others_do_not():
     ("personality", "scenario"), [("ardupilot", "hover"), ("ardupilot", "coordinated-turns"), ("px4", "still")]
 )
 def test_waking_at_the_deadlines_alone_misses_nothing_and_wakes_in_vain_never(personality, scenario):
-    choices = SimSettings(personality=personality, scenario=scenario, faults=Faults(reboot_at_s=1.5))
+    choices = SimSettings(personality=personality, scenario=scenario, faults=parse_faults(["reboot@1.5"]))
     vehicle = FakeAutopilot(choices, 1)
     frames, now_ns, in_vain = [], 0, 0
     while (now_ns := vehicle.next_deadline_ns) <= END_NS:
@@ -100,34 +102,32 @@ def test_settings_that_make_no_sense_are_one_clear_error(choices, text):
         FakeAutopilot(SimSettings(**choices), 1)
 
 
-def fly(decode, faults, until_s, **choices):
-    """Messages of a flight with faults, and the vehicle."""
-    vehicle = FakeAutopilot(SimSettings(faults=faults, **({"fast_rate_hz": 50.0} | choices)), 1)
+def fly(decode, fault, until_s, **choices):
+    """Messages of a flight with a fault, and the vehicle."""
+    vehicle = FakeAutopilot(SimSettings(faults=parse_faults([fault]), **({"fast_rate_hz": 50.0} | choices)), 1)
     return decode(vehicle.frames_until(round(until_s * S))), vehicle
 
 
 def test_fault_the_reported_attitude_jumps(decode):
-    faults = Faults(attitude_offset=(0.1, 0.0, 0.0), attitude_offset_from_s=5.0)
-    messages, vehicle = fly(decode, faults, 8.0, scenario="still")
+    messages, vehicle = fly(decode, "attitude-offset-north=6@5", 8.0, scenario="still")
     for attitude in messages["ATTITUDE"]:
         truth = vehicle.truth(attitude.time_boot_ms * 1_000_000).q_nb
         tilt = tilt_between(q_from_euler(attitude.roll, attitude.pitch, attitude.yaw), truth)
-        assert tilt == pytest.approx(0.1 if attitude.time_boot_ms >= 5000 else 0.0, abs=0.003)
+        assert tilt == pytest.approx(radians(6.0) if attitude.time_boot_ms >= 5000 else 0.0, abs=0.003)
     state = messages["SIM_STATE"][-1]
     assert tilt_between((state.q1, state.q2, state.q3, state.q4), vehicle.truth(0).q_nb) < 1e-6
 
 
 def test_fault_the_reported_heading_jumps(decode):
-    faults = Faults(attitude_offset=(0.0, 0.0, 0.3), attitude_offset_from_s=5.0)
-    messages, vehicle = fly(decode, faults, 6.0, scenario="still")
+    messages, vehicle = fly(decode, "attitude-offset-down=20@5", 6.0, scenario="still")
     last = messages["ATTITUDE"][-1]
     reported = q_from_euler(last.roll, last.pitch, last.yaw)
     assert tilt_between(reported, vehicle.truth(0).q_nb) < 0.003
-    assert heading_between(reported, vehicle.truth(0).q_nb) == pytest.approx(0.3, abs=0.005)
+    assert heading_between(reported, vehicle.truth(0).q_nb) == pytest.approx(radians(20.0), abs=0.005)
 
 
 def test_fault_the_reported_attitude_freezes(decode):
-    messages, _ = fly(decode, Faults(attitude_frozen=(12.0, 14.0)), 16.0)
+    messages, _ = fly(decode, "attitude-frozen@12+2", 16.0)
 
     def distinct(start_ms, end_ms):
         span = [m for m in messages["ATTITUDE"] if start_ms <= m.time_boot_ms < end_ms]
@@ -139,7 +139,7 @@ def test_fault_the_reported_attitude_freezes(decode):
 
 
 def test_fault_a_gap_in_all_imu_messages_and_in_nothing_else(decode, companion):
-    vehicle = FakeAutopilot(SimSettings(fast_rate_hz=50.0, faults=Faults(imu_silent=(3.0, 4.0))), 1)
+    vehicle = FakeAutopilot(SimSettings(fast_rate_hz=50.0, faults=parse_faults(["imu-silent@3+1"])), 1)
     ask = mavlink.MAVLink_command_long_message(1, 1, 512, 0, mavlink.MAVLINK_MSG_ID_RAW_IMU, 0, 0, 0, 0, 0, 0)
     early = vehicle.frames_until(round(3.5 * S))
     vehicle.handle(ask.pack(companion), round(3.5 * S))
@@ -153,13 +153,13 @@ def test_fault_a_gap_in_all_imu_messages_and_in_nothing_else(decode, companion):
 
 
 def test_fault_the_imu_stops_for_good(decode):
-    messages, _ = fly(decode, Faults(imu_silent=(3.0, inf)), 10.0)
+    messages, _ = fly(decode, "imu-silent@3", 10.0)
     assert messages["RAW_IMU"][-1].time_usec == 2_980_000
     assert messages["HEARTBEAT"][-1] is messages["HEARTBEAT"][10]
 
 
 def test_fault_highres_imu_is_not_a_number(decode):
-    messages, _ = fly(decode, Faults(imu_not_finite=(3.0, 4.0)), 5.0, personality="px4")
+    messages, _ = fly(decode, "imu-nan@3+1", 5.0, personality="px4")
     bad = [m for m in messages["HIGHRES_IMU"] if np.isnan(m.xacc)]
     assert {3_000_000 <= m.time_usec < 4_000_000 for m in bad} == {True}
     assert len(bad) == 50
@@ -169,7 +169,7 @@ def test_fault_highres_imu_is_not_a_number(decode):
 
 
 def test_fault_the_sensors_are_at_the_end_of_their_range(decode):
-    messages, _ = fly(decode, Faults(imu_saturated=(3.0, 4.0)), 5.0)
+    messages, _ = fly(decode, "imu-saturated@3+1", 5.0)
     inside = [m for m in messages["RAW_IMU"] if 3_200_000 <= m.time_usec < 4_000_000]
     outside = [m for m in messages["RAW_IMU"] if not 3_000_000 <= m.time_usec < 4_200_000]
     assert {m.xgyro for m in inside} == {32767}  # 34.9 rad/s do not fit into int16 milliradians
@@ -178,7 +178,7 @@ def test_fault_the_sensors_are_at_the_end_of_their_range(decode):
 
 
 def test_fault_a_reboot_in_flight(decode, companion):
-    vehicle = FakeAutopilot(SimSettings(faults=Faults(reboot_at_s=12.0)), 1)
+    vehicle = FakeAutopilot(SimSettings(faults=parse_faults(["reboot@12"])), 1)
     ask = mavlink.MAVLink_command_long_message(1, 1, 511, 0, mavlink.MAVLINK_MSG_ID_RAW_IMU, 20_000, 0, 0, 0, 0, 0)
     vehicle.handle(ask.pack(companion), S)
     before = vehicle.frames_until(12 * S - 1)
