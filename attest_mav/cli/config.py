@@ -5,7 +5,7 @@ import click
 from attest_mav.config.records import Config, parse_config
 from attest_mav.config.text import to_toml
 from attest_mav.runtime.files import read_config
-from attest_mav.service.assembly import check_scenarios
+from attest_mav.service.assembly import check_simulations
 
 
 @click.group("config")
@@ -34,5 +34,5 @@ def load(file: str | None) -> Config:
     if file is None:
         return Config()
     config = parse_config(read_config(file), file)
-    check_scenarios(config, file)
+    check_simulations(config, file)
     return config

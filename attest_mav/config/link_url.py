@@ -52,13 +52,15 @@ class LinkUrl:
     """Serial: baud rate."""
     scenario: str = ""
     """Simulation: the scenario, "" for the default one."""
+    faults: tuple[str, ...] = ()
+    """Simulation: what goes wrong, each as ``attest-mav sim --fault`` takes it."""
 
     def __str__(self) -> str:
         """The URL in its plain form."""
         if self.scheme is Scheme.SERIAL:
             return f"serial:{self.device}:{self.baud}"
         if self.scheme is Scheme.SIM:
-            return f"sim:{self.scenario}"
+            return f"sim:{self.scenario}" + ("?" + ",".join(self.faults) if self.faults else "")
         host = f"[{self.host}]" if ":" in self.host else self.host
         return f"{self.scheme}:{host}:{self.port}"
 
@@ -76,7 +78,8 @@ def parse_link(text: str) -> LinkUrl:
     if scheme is Scheme.SERIAL:
         return _serial(text, rest)
     if scheme is Scheme.SIM:
-        return LinkUrl(scheme, scenario=rest)
+        scenario, _, faults = rest.partition("?")
+        return LinkUrl(scheme, scenario=scenario, faults=tuple(faults.split(",")) if faults else ())
     return _network(text, scheme, rest.removeprefix("//"))
 
 

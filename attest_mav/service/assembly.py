@@ -57,16 +57,19 @@ def raw_scales(raw_imu: RawImuConfig) -> RawScales | None:
     return RawScales(raw_imu.accel_mps2, raw_imu.gyro_radps, raw_imu.mag_gauss)
 
 
-def check_scenarios(config: Config, name: str) -> None:
-    """ConfigError if a ``sim:`` link of the file ``name`` asks for a scenario that the simulator does not have."""
+def check_simulations(config: Config, name: str) -> None:
+    """ConfigError if a ``sim:`` link of the file ``name`` asks for a scenario or a fault that the simulator lacks."""
     for index, link in enumerate(config.link):
         url = parse_link(link.url)
-        if url.scheme is Scheme.SIM and url.scenario:
+        if url.scheme is Scheme.SIM:
             # Imported here: a real vehicle needs no simulation.
+            from attest_mav.sim.fault_text import parse_faults  # noqa: PLC0415
             from attest_mav.sim.scenarios import check_scenario  # noqa: PLC0415
 
             try:
-                check_scenario(url.scenario)
+                if url.scenario:
+                    check_scenario(url.scenario)
+                parse_faults(url.faults)
             except UsageError as error:
                 raise ConfigError(f"{name}: link[{index}].url: {error}") from None
 

@@ -28,6 +28,13 @@ def test_a_simulation_that_does_not_exist_is_a_configuration_error(tmp_path, nam
         run(name, str(path))
 
 
+def test_a_fault_that_does_not_exist_is_a_configuration_error(tmp_path):
+    path = tmp_path / "sim.toml"
+    path.write_text("[[link]]\nurl = 'sim:?receiver-off@3,gyro-bais=5@20'\n")
+    with pytest.raises(ConfigError, match=r"link\[0\]\.url: fault 'gyro-bais=5@20': .*did you mean gyro-bias\?"):
+        run("check", str(path))
+
+
 @pytest.mark.parametrize("name", ["check", "show"])
 def test_a_wrong_file_is_a_configuration_error(tmp_path, name):
     path = tmp_path / "wrong.toml"

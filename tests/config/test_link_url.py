@@ -32,11 +32,20 @@ from attest_mav.errors import UsageError
         ("TCP:10.0.0.2:5760", "tcp:10.0.0.2:5760"),
         ("sim:", "sim:"),
         ("sim:square", "sim:square"),
+        ("sim:?receiver-off@30+60", "sim:?receiver-off@30+60"),
+        ("sim:square?gyro1-bias-x=5@20,reboot@9", "sim:square?gyro1-bias-x=5@20,reboot@9"),
+        ("sim:square?", "sim:square"),
     ],
 )
 def test_what_is_understood(text, plain):
     assert str(parse_link(text)) == plain
     assert parse_link(plain) == parse_link(text), "the plain form means the same"
+
+
+def test_a_simulation_has_a_scenario_and_faults():
+    url = parse_link("sim:square?gyro1-bias-x=5@20,reboot@9")
+    assert (url.scenario, url.faults) == ("square", ("gyro1-bias-x=5@20", "reboot@9"))
+    assert parse_link("sim:square").faults == ()
 
 
 @pytest.mark.parametrize("text", ["udpin:14550", "udp::14550", "tcpin::1"])

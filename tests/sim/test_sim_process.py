@@ -63,6 +63,19 @@ def test_it_flies_for_its_duration_and_ends_with_zero(start, listener):
     assert len(messages["SIM_STATE"]) in {149, 150}  # sent after the last RAW_IMU
 
 
+def test_a_fault_is_flown_and_told_at_the_start(start, listener):
+    sock, port = listener
+    faults = ["--fault", "gyro2-stuck=10@0.5", "--fault", "receiver-off@0"]
+    process = start("--link", f"udpout:127.0.0.1:{port}", "--duration", "1", *faults)
+    messages = gather(sock, lambda m: len(m.get("SCALED_IMU2", [])) == 50)
+    _, errors = process.communicate(timeout=TIMEOUT_S)
+    assert process.returncode == 0
+    assert ", seed 0, faults gyro2-stuck=10@0.5 receiver-off@0, on udpout:" in errors
+    stuck = [m.time_boot_ms for m in messages["SCALED_IMU2"] if (m.xgyro, m.ygyro, m.zgyro) == (174, 174, 174)]
+    assert stuck == list(range(500, 1001, 20))
+    assert {m.xgyro for m in messages["RAW_IMU"]} != {174}
+
+
 def test_it_keeps_real_time(start, listener):
     sock, port = listener
     start("--link", f"udpout:127.0.0.1:{port}", "--rate", "50")
@@ -143,6 +156,14 @@ def test_a_busy_port_is_one_line_and_69(start):
         (["--rate", "nan"], "rate nan Hz is out of range"),
         (["--speed", "0"], "--speed 0 is out of range: expected 0.01 to 100"),
         (["--duration", "-1"], "--duration -1 is out of range"),
+        (
+            ["--fault", "gyro-bais-x=5@20"],
+            "fault 'gyro-bais-x=5@20': unknown fault 'gyro-bais-x'; did you mean gyro-bias?",
+        ),
+        (
+            ["--fault", "receiver-off@1", "--fault", "trim=999@3"],
+            "trim in deg 999 is out of range: expected -180 to 180",
+        ),
         (["--link", "sim:"], "needs a real link"),
         (["--link", "carrier-pigeon:"], "carrier-pigeon"),
     ],

@@ -4,6 +4,7 @@ from attest_mav.config.link_url import LinkUrl
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.runtime.links.base import Link, log
 from attest_mav.sim.autopilot import FakeAutopilot
+from attest_mav.sim.fault_text import parse_faults
 from attest_mav.sim.settings import SimSettings
 
 SEED = 1
@@ -11,15 +12,15 @@ SEED = 1
 
 
 class SimLink(Link):
-    """A vehicle that starts when the link is opened. UsageError for a scenario that does not exist."""
+    """A vehicle that starts when the link is opened. UsageError for a scenario or fault that does not exist."""
 
     def __init__(self, url: LinkUrl, dialect: Dialect, now_ns: int) -> None:
         super().__init__(str(url))
-        settings = SimSettings(scenario=url.scenario) if url.scenario else SimSettings()
+        settings = SimSettings(scenario=url.scenario or SimSettings.scenario, faults=parse_faults(url.faults))
         self.vehicle = FakeAutopilot(settings, SEED, dialect)
         self.began_ns = now_ns
         self.epoch = 1
-        log.info("simulating a vehicle: %s", settings.scenario)
+        log.info("simulating a vehicle: %s", " ".join((settings.scenario, *url.faults)))
 
     @property
     def fd(self) -> int | None:
