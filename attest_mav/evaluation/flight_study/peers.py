@@ -18,7 +18,16 @@ from attest_mav.evaluation.flight_study.flights import rate_hz
 from attest_mav.evaluation.flight_study.flying import Chosen, Errors, fly, recorded
 from attest_mav.replay.engine import Recording
 from attest_mav.replay.request import Window
-from attest_mav.types import G_MPS2, AttitudeForm, AttitudeRole, AttitudeSample, ImuSample, Quat, Sample
+from attest_mav.types import (
+    G_MPS2,
+    AttitudeForm,
+    AttitudeRole,
+    AttitudeSample,
+    ImuSample,
+    ParameterSample,
+    Quat,
+    Sample,
+)
 
 PEERS: Final = ("vqf", "imufusion")
 CARRIER: Final = "ATTITUDE_QUATERNION"
@@ -70,7 +79,8 @@ def with_peer(recording: Recording, step: Step) -> list[Sample]:
 
 
 def _without_carrier(samples: Sequence[Sample]) -> list[Sample]:
-    return [sample for sample in samples if sample.source != CARRIER]
+    """The samples that stay. A peer's attitude is that of the IMU: no parameter may take a trim off it."""
+    return [one for one in samples if one.source != CARRIER and not isinstance(one, ParameterSample)]
 
 
 def _steps(name: str, rate: float) -> Step:

@@ -7,7 +7,7 @@ from attest_mav.evaluation.flight_study.flying import recorded
 from attest_mav.evaluation.flight_study.peers import CARRIER, PEERS, _steps, installed_peers, peer_flown, with_peer
 from attest_mav.logs.source import Plan
 from attest_mav.replay.engine import Recording
-from attest_mav.types import AttitudeSample, VehicleSettings
+from attest_mav.types import AttitudeSample, ParameterSample, Setting, VehicleSettings
 
 AT_REST = Plan((1, 1), "RAW_IMU", "SIM_STATE", None, "RAW_IMU")
 
@@ -21,6 +21,12 @@ def test_at_rest_a_peer_is_level_and_looks_to_true_north(stream, name):
     expected = q_heading(np.radians(10.0))
     assert np.degrees(tilt_between(carried[-1].q_nb, expected)) < 0.1
     assert abs(np.dot(carried[-1].q_nb, expected)) > np.cos(np.radians(0.1))
+
+
+def test_no_trim_of_the_autopilot_is_taken_off_a_peers_attitude(stream):
+    trim = ParameterSample("PARAM_VALUE", 1, 1, 0, "AHRS_TRIM_X", Setting.TRIM_X, 0.1)
+    recording = Recording(AT_REST, None, VehicleSettings(), [trim, *stream])
+    assert not [one for one in with_peer(recording, _steps("vqf", 50.0)) if isinstance(one, ParameterSample)]
 
 
 def test_peers_are_compared_with_the_truth_of_the_log(plane):
