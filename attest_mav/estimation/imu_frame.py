@@ -4,7 +4,7 @@ The rules stand in ``body_frames``; the trims, the firmware's version and the es
 words (``Vehicle``), and each counts from the first attitude after it.
 """
 
-from math import degrees, isfinite, radians
+from math import degrees, radians
 from typing import Final
 
 from attest_mav.algebra import q_from_euler, q_to_euler
@@ -13,28 +13,24 @@ from attest_mav.estimation.body_frames import (
     FrameRule,
     TrimForm,
     forms_of,
-    rules_of,
     without_hover_view,
     without_trim,
 )
 from attest_mav.estimation.hover_view import HoverView, hover_angle, hover_view
 from attest_mav.estimation.trim_form_fit import TrimFormFit
+from attest_mav.estimation.trims import RuleBook, Trims
 from attest_mav.estimation.vehicle import Vehicle
 from attest_mav.types import (
     AttitudeForm,
     AttitudeRole,
     AttitudeSample,
-    Estimator,
     Quat,
-    Setting,
     Vec3,
     VehicleKind,
 )
 
 STEEPEST: Final = radians(85.0)
 """Beyond this pitch a difference of Euler angles is no rotation that could be undone."""
-NO_PITCH_TRIM: Final = 1 << 8
-"""Bit of FLIGHT_OPTIONS: the pitch trim is not taken off ATTITUDE."""
 SHOWN: Final = radians(0.05)
 """Smaller angles are not worth a note."""
 MAX_PAST: Final = 8
@@ -72,6 +68,8 @@ class ImuFrame:
         self._obstacles: Final[dict[str, str]] = {}
         self._vehicle: Final = vehicle
         self._fit: Final = TrimFormFit()
+        self._trims = Trims(vehicle.settings)
+        self._books: Final[dict[tuple[str, AttitudeForm], RuleBook]] = {}
 
     @property
     def notes(self) -> list[str]:
@@ -101,8 +99,9 @@ class ImuFrame:
         vehicle = self._vehicle
         if sample.role == AttitudeRole.TRUTH or vehicle.autopilot != ARDUPILOT:
             return sample
-        estimator = self._estimator()
-        rules = rules_of(ARDUPILOT, sample.source, sample.form, vehicle.firmware, estimator)
+        if vehicle.settings is not self._trims.settings:
+            self._trims = Trims(vehicle.settings)
+        rules = self._rules(sample)
         if not rules:
             self._refuse(sample, "no rule tells how this firmware trims it")
             return None
@@ -116,32 +115,34 @@ class ImuFrame:
             return None
         return self._turned(sample, rule, view)
 
-    def _estimator(self) -> Estimator:
-        """The estimator in use: by its own words, else as set, else the usual one."""
-        known = self._vehicle.estimator
-        if known is not None:
-            return known
-        chosen = self._vehicle.settings.get_or(Setting.ESTIMATOR, float(Estimator.EKF3))
-        return next((one for one in Estimator if one == chosen), Estimator.EKF3)
+    def _rules(self, sample: AttitudeSample) -> list[FrameRule]:
+        """The rules that fit the message, by the estimator's own words, else as it is set."""
+        key = (sample.source, sample.form)
+        book = self._books.get(key)
+        if book is None:
+            book = self._books[key] = RuleBook()
+        estimator = self._vehicle.estimator
+        return book.rules(sample, self._vehicle.firmware, self._trims.estimator if estimator is None else estimator)
 
     def _chosen(self, rules: list[FrameRule], sample: AttitudeSample) -> FrameRule:
         """The rule whose form fits ATTITUDE where the version does not decide; until that is known the first."""
+        if len(rules) < 2:
+            return rules[0]
         forms = forms_of(rules)
         if len(forms) < 2:
             return rules[0]
-        form = self._fit.judge(sample, forms, self._trim())
+        form = self._fit.judge(sample, forms, self._trims.angles)
         return next(rule for rule in rules if rule.trim == form)
 
     def _turned(self, sample: AttitudeSample, rule: FrameRule, view: HoverView) -> AttitudeSample | None:
         """The sample without trim and view."""
-        none: Vec3 = (0.0, 0.0, 0.0)
-        trim = none if rule.trim == TrimForm.NONE else self._trim()
+        trims, none = self._trims, (0.0, 0.0, 0.0)
         if view == HoverView.YES:
             angle = hover_angle(self._vehicle)
-            trim = self._trim()
-            q_nb = without_trim(TrimForm.MATRIX, trim, without_hover_view(sample.q_nb, angle), none)
-            return self._known(sample, q_nb, _Removed(trim, "pitch trim of the hover", angle), self._trim_is_told)
-        pitch = self._pitch_trim() if rule.pitch_trim else 0.0
+            q_nb = without_trim(TrimForm.MATRIX, trims.angles, without_hover_view(sample.q_nb, angle), none)
+            return self._known(sample, q_nb, _Removed(trims.angles, "pitch trim of the hover", angle), trims.are_told)
+        trim = none if rule.trim == TrimForm.NONE else trims.angles
+        pitch = trims.pitch if rule.pitch_trim else 0.0
         sent = q_to_euler(sample.q_nb) if sample.euler is None else sample.euler
         euler = (sent[0], sent[1] + pitch, sent[2])
         if rule.trim == TrimForm.EULER and trim != none and abs(euler[1] + trim[1]) > STEEPEST:
@@ -152,10 +153,13 @@ class ImuFrame:
             q_nb = without_trim(rule.trim, trim, q_nb, euler)
         if sample.form == AttitudeForm.EULER and sample.role == AttitudeRole.AUTOPILOT:
             self._fit.remember(sample.t_ns, q_nb)
-        is_told = rule.trim == TrimForm.NONE or self._trim_is_told
-        if rule.pitch_trim and self._vehicle.kind == VehicleKind.WING:
-            is_told = is_told and isfinite(self._vehicle.settings.get(Setting.PITCH_TRIM))
-        return self._known(sample, q_nb, _Removed(trim, "pitch trim", pitch), is_told)
+        return self._known(sample, q_nb, _Removed(trim, "pitch trim", pitch), self._is_told(rule))
+
+    def _is_told(self, rule: FrameRule) -> bool:
+        """True where the vehicle has told all trims of a message under this rule."""
+        trims = self._trims
+        needs_pitch = rule.pitch_trim and self._vehicle.kind == VehicleKind.WING
+        return (rule.trim == TrimForm.NONE or trims.are_told) and (trims.pitch_is_told or not needs_pitch)
 
     def _known(self, sample: AttitudeSample, q_nb: Quat, removed: _Removed, is_told: bool) -> AttitudeSample:
         past = self._removed.setdefault(sample.source, [])
@@ -167,23 +171,3 @@ class ImuFrame:
 
     def _refuse(self, sample: AttitudeSample, reason: str) -> None:
         self._obstacles[sample.source] = reason
-
-    @property
-    def _trim_is_told(self) -> bool:
-        """True where the vehicle has told the trim; versions without a third angle have told it with two."""
-        settings = self._vehicle.settings
-        return isfinite(settings.get(Setting.TRIM_X)) and isfinite(settings.get(Setting.TRIM_Y))
-
-    def _trim(self) -> Vec3:
-        settings = self._vehicle.settings
-        return (
-            settings.get_or(Setting.TRIM_X, 0.0),
-            settings.get_or(Setting.TRIM_Y, 0.0),
-            settings.get_or(Setting.TRIM_Z, 0.0),
-        )
-
-    def _pitch_trim(self) -> float:
-        """Rad, 0 where an option leaves it in."""
-        settings = self._vehicle.settings
-        is_left = int(settings.get_or(Setting.FLIGHT_OPTIONS, 0.0)) & NO_PITCH_TRIM
-        return 0.0 if is_left else settings.get_or(Setting.PITCH_TRIM, 0.0)

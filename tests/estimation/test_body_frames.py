@@ -161,6 +161,13 @@ def test_every_rule_of_ardupilot_has_a_row_above():
     assert written <= tested
 
 
+def test_a_record_that_writes_its_attitude_twice_has_two_forms():
+    told, imu = trimmed(version=V46, estimator=EKF3), rotation_of(np.radians(POSES[1]))
+    for _ in range(2):
+        assert told.error_deg(reported("AHR2", OTHER, B, imu), imu) < 1e-6
+        assert told.error_deg(reported("AHR2 quaternion", OTHER, C, imu), imu) < 1e-6
+
+
 @pytest.mark.parametrize("source", ["ATTITUDE", "ATTITUDE_QUATERNION", "vehicle_attitude"])
 def test_px4_turns_its_sensors_and_nothing_is_undone(source):
     told = trimmed(autopilot=PX4, pitch_trim=radians(5.0))
