@@ -34,12 +34,17 @@ class LocalField:
         return EarthField(radians(self.declination_deg), radians(self.inclination_deg))
 
 
+def year_of(unix_s: float) -> float:
+    """The year of a UNIX time, with its fraction."""
+    return 1970.0 + unix_s / SECONDS_PER_YEAR
+
+
 def field_at(latitude_deg: float, longitude_deg: float, altitude_m: float, unix_s: float) -> LocalField:
     """The field there and then. A date that no model covers is answered by the nearest one, which says so."""
     # Costs 40 ms and is needed by few commands.
     from pygeomag import GeoMag  # noqa: PLC0415
 
-    year, remark = _model_year(1970.0 + unix_s / SECONDS_PER_YEAR)
+    year, remark = _model_year(year_of(unix_s))
     model = GeoMag(base_year=min(year, LAST_YEAR - 1.0))
     field = model.calculate(
         glat=latitude_deg, glon=longitude_deg, alt=1e-3 * altitude_m, time=year, allow_date_outside_lifespan=True

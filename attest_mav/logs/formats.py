@@ -9,20 +9,25 @@ from attest_mav.errors import UnreadableDataError
 from attest_mav.logs.detect import HEAD_BYTES, LogFormat, require_format
 from attest_mav.logs.source import LogSource, MessageRoles
 from attest_mav.logs.tlog.roles import TLOG_ROLES
-from attest_mav.logs.tlog.source import open_tlog
+from attest_mav.logs.tlog.source import open_stream, open_tlog
 
 
 @dataclass(frozen=True)
 class ReadableFormat:
     """One row of the table."""
 
+    words: str
+    """The format for people."""
     open_source: Callable[[mmap | bytes], LogSource]
     """Makes a source of the bytes of a log."""
     roles: MessageRoles
     """The messages of the format."""
 
 
-READABLE: Final[Mapping[LogFormat, ReadableFormat]] = {"tlog": ReadableFormat(open_tlog, TLOG_ROLES)}
+READABLE: Final[Mapping[LogFormat, ReadableFormat]] = {
+    "tlog": ReadableFormat("a tlog", open_tlog, TLOG_ROLES),
+    "mavlink": ReadableFormat("a bare MAVLink stream", open_stream, TLOG_ROLES),
+}
 NOT_YET_READABLE: Final[Mapping[LogFormat, str]] = {"dataflash": "a DataFlash log", "ulog": "a ULog"}
 
 
@@ -31,7 +36,7 @@ def open_source(data: mmap | bytes, name: str) -> LogSource:
     log_format = require_format(data[:HEAD_BYTES], name)
     readable = READABLE.get(log_format)
     if readable is None:
-        expected = " or ".join(f"a {known}" for known in READABLE)
+        expected = " or ".join(known.words for known in READABLE.values())
         raise UnreadableDataError(f"{name}: {NOT_YET_READABLE[log_format]} cannot be read yet; expected {expected}")
     return readable.open_source(data)
 

@@ -6,7 +6,7 @@ id, frame or file structure: a message is a name, and its uses stand in ``Messag
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final, Protocol, runtime_checkable
 
 from attest_mav.types import Estimate, ParameterSample, PositionSample, Sample, VehicleSettings
@@ -40,6 +40,15 @@ class MessageRoles:
 
 
 @dataclass(frozen=True)
+class FlightDate:
+    """The date of a flight."""
+
+    unix_s: float
+    note: str = ""
+    """A remark for people, "" if nothing speaks against the date."""
+
+
+@dataclass(frozen=True)
 class VehicleSummary:
     """The content of a log that comes from one sender."""
 
@@ -53,7 +62,7 @@ class VehicleSummary:
     in_simulator: bool
     """True for a flight in ArduPilot's simulator, whose magnetic field is that of a table."""
     position: PositionSample | None
-    """The first position with a 3-D fix; its ``rx_ns`` is the date of the flight."""
+    """The first position with a 3-D fix."""
     velocity_lack: str
     """The reason why the log has no receiver velocity, for people; "" if it has one."""
     settings: VehicleSettings
@@ -63,6 +72,13 @@ class VehicleSummary:
     opening: tuple[Sample, ...] = ()
     """What is known of the vehicle at the beginning: its first heartbeat, its firmware, the first value of each
     parameter."""
+
+    date: FlightDate | None = None
+    """The date of the flight; None for that of the position's ``rx_ns``."""
+    spans: Mapping[str, float] = field(default_factory=dict)
+    """Share of the log from the first to the last attitude, by name; 1 where nothing is told."""
+    unfit: Mapping[str, str] = field(default_factory=dict)
+    """Attitudes that nothing can be compared with: the reason for people, by name."""
 
     def count(self, name: str) -> int:
         """Number of messages of that name."""

@@ -70,15 +70,58 @@ def test_what_is_not_known_is_left_to_who_reads_it_all(head):
     assert require_format(head, "flight.tlog") == "tlog"
 
 
-def test_a_stream_without_time_stamps_is_named(copter_start):
+def stream_of(tlog, frames):
+    """The first frames of a tlog of version 2 without their times."""
     stream = b""
     start = 0
-    for _ in range(5):
-        end = start + 20 + copter_start[start + 9]
-        stream += copter_start[start + 8 : end]
+    for _ in range(frames):
+        end = start + 20 + tlog[start + 9]
+        stream += tlog[start + 8 : end]
         start = end
-    with pytest.raises(UnreadableDataError, match="without the time stamps"):
-        require_format(stream, "link.raw")
+    return stream
+
+
+@pytest.mark.parametrize("cut", [0, 5, 17])
+@pytest.mark.parametrize("before", [b"", b"boot: 3 sensors\r\n", b"\0" * 100])
+def test_a_stream_without_times_is_known_wherever_it_begins(copter_start, cut, before):
+    assert detect_format(before + stream_of(copter_start, 9)[cut:]) == "mavlink"
+
+
+def test_two_frames_that_fill_a_file_are_a_stream(copter_start):
+    assert detect_format(stream_of(copter_start, 2)) == "mavlink"
+    assert detect_format(stream_of(copter_start, 2)[:-1]) is None
+
+
+FMT = "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format\nIMU, 95000, 0.001\n"
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        FMT.encode(),
+        b"58\n\nArduCopter V3.0.1\nFree RAM: 1273\n" + FMT.encode(),
+        FMT.replace("\n", "\r\n").encode(),
+        b"\xef\xbb\xbf" + b"58\r\n\r\n" + FMT.replace("\n", "\r\n").encode(),
+        b"\xff\xfe" + FMT.encode("utf-16-le"),
+        FMT.replace(", ", ",").encode(),
+    ],
+)
+def test_a_dataflash_log_in_text_is_named_whatever_stands_before_it(head):
+    with pytest.raises(UnreadableDataError, match="a DataFlash log written as text"):
+        require_format(head, "flight.log")
+
+
+def record_format(name, labels):
+    """The DataFlash record that describes one kind of record."""
+    return b"\xa3\x95\x80" + bytes([1, 20]) + name.ljust(4, b"\0") + b"Q".ljust(16, b"\0") + labels.ljust(64, b"\0")
+
+
+def test_an_sdlog2_file_is_no_dataflash_log_in_spite_of_its_magic():
+    sdlog2 = record_format(b"IMU", b"AccX,AccY,AccZ") + record_format(b"TIME", b"StartTime")
+    assert detect_format(sdlog2) is None
+    with pytest.raises(UnreadableDataError, match="sdlog2"):
+        require_format(sdlog2, "flight.px4log")
+    assert detect_format(record_format(b"IMU", b"TimeUS,GyrX") + record_format(b"TIME", b"TimeUS")) == "dataflash"
 
 
 def test_magic_bytes_with_unrelated_times_make_no_tlog():

@@ -4,6 +4,8 @@ from typing import Final
 
 from mypy_extensions import i64
 
+from attest_mav.logs.source import VehicleId
+from attest_mav.logs.tlog.stamp_columns import StampColumns
 from attest_mav.logs.tlog.walker import TlogWalker
 from attest_mav.mavlink.decode.autopilot_parameters import parameter_bytes
 from attest_mav.mavlink.dialect import Dialect
@@ -23,8 +25,8 @@ NAME_BYTES: Final = 16
 class MessageCounter(TlogWalker):
     """Counts all frames of a tlog and returns a sample of the wanted ones."""
 
-    def __init__(self, dialect: Dialect, wanted: frozenset[int] | None) -> None:
-        super().__init__(dialect, wanted)
+    def __init__(self, dialect: Dialect, wanted: frozenset[int] | None, bare: bool = False) -> None:
+        super().__init__(dialect, wanted, bare)
         self.counts: Final[dict[int, int]] = {}
         """Frames by ``counter_key``."""
         parameter = dialect.layout("PARAM_VALUE")
@@ -36,6 +38,15 @@ class MessageCounter(TlogWalker):
         """Arrival of the first frame, ns."""
         self.last_rx_ns = 0
         """Arrival of the last frame, ns."""
+        self.stamps: Final = StampColumns(dialect)
+        """The times of all inertial messages."""
+        inertial, tying = self.stamps.wanted_ids()
+        self._is_inertial: Final = dialect.flags(inertial)
+        self._is_tying: Final = dialect.flags(tying)
+
+    def count_of(self, sender: VehicleId, message_id: int) -> int:
+        """Number of frames of one kind from one sender."""
+        return self.counts.get(counter_key(sender[0], sender[1], message_id), 0)
 
     def _take(self, size: i64) -> None:
         """Count the frame at the present place, and return it if it is its turn."""
@@ -54,6 +65,11 @@ class MessageCounter(TlogWalker):
             is_sampled = count < FIRST or count % EVERY == 0 or message_id == self._text_id
         if is_sampled or self._final:
             self.last_rx_ns = self._arrival(size)
+        if self._is_inertial[message_id]:
+            if self.stamps.add(key, data, at) and is_sampled:
+                self.stamps.tie(key, self.last_rx_ns)
+        elif self._is_tying[message_id] and self.stamps.waits(data[sender]):
+            self.stamps.close(data[sender], message_id, data, at, self._arrival(size))
         if is_sampled:
             super()._take(size)
         else:

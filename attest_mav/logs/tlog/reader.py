@@ -18,12 +18,14 @@ class TlogReader:
 
     ``wanted`` holds the message ids to return; None returns all. The frames come in order, with ``rx_ns`` from the log
     and ``offset`` in it: ``buffer[frame.offset : frame.offset + frame.size]`` is the raw frame. The counters fill
-    during the iteration; a reader is read once.
+    during the iteration; a reader is read once. ``bare``: the buffer is a stream of frames without times.
     """
 
-    def __init__(self, buffer: mmap | bytes, dialect: Dialect, wanted: frozenset[int] | None = None) -> None:
+    def __init__(
+        self, buffer: mmap | bytes, dialect: Dialect, wanted: frozenset[int] | None = None, bare: bool = False
+    ) -> None:
         self._buffer: Final = buffer
-        self._walker: Final = TlogWalker(dialect, wanted)
+        self._walker: Final = TlogWalker(dialect, wanted, bare)
 
     def batches(self) -> Iterator[list[Frame]]:
         """The wanted frames, those of one stretch of the log at a time."""

@@ -2,7 +2,10 @@
 
 from collections.abc import Mapping
 
-from attest_mav.logs.source import LogSummary, VehicleId, VehicleSummary
+from attest_mav.estimation.imu_frame import ImuFrame
+from attest_mav.estimation.vehicle import AidSettings, Vehicle
+from attest_mav.logs.source import FlightDate, LogSummary, VehicleId, VehicleSummary
+from attest_mav.logs.tlog.clocks import LogClocks, date_of
 from attest_mav.logs.tlog.message_counter import key_parts
 from attest_mav.logs.tlog.roles import GROUND_SYSTEM, TLOG_ROLES, inertial_by_preference
 from attest_mav.logs.tlog.survey import Survey
@@ -16,17 +19,17 @@ from attest_mav.mavlink.dialect import Dialect
 from attest_mav.types import ParameterSample, Sample
 
 
-def summarize(survey: Survey, dialect: Dialect) -> LogSummary:
-    """The summary of a surveyed tlog."""
+def summarize(survey: Survey, clocks: LogClocks, dialect: Dialect, log_format: str, length: int) -> LogSummary:
+    """The summary of a surveyed log of so many bytes."""
     counter = survey.counter
     counts = _counts(survey, dialect)
     return LogSummary(
-        log_format="tlog",
+        log_format=log_format,
         roles=TLOG_ROLES,
         messages=counter.frames,
         bad_bytes=counter.bad_bytes,
-        duration_s=(counter.last_rx_ns - counter.first_rx_ns) * 1e-9,
-        vehicles={vehicle: _vehicle(survey, vehicle, counts[vehicle]) for vehicle in sorted(counts)},
+        duration_s=clocks.duration_s(),
+        vehicles={vehicle: _vehicle(survey, clocks, vehicle, counts[vehicle], length) for vehicle in sorted(counts)},
     )
 
 
@@ -39,7 +42,9 @@ def _counts(survey: Survey, dialect: Dialect) -> dict[VehicleId, dict[str, int]]
     return counts
 
 
-def _vehicle(survey: Survey, vehicle: VehicleId, counts: dict[str, int]) -> VehicleSummary:
+def _vehicle(
+    survey: Survey, clocks: LogClocks, vehicle: VehicleId, counts: dict[str, int], length: int
+) -> VehicleSummary:
     """The summary of one sender. Heartbeat and receiver count for all components of its system."""
     system = vehicle[0]
     autopilot = survey.autopilots.get(system)
@@ -54,11 +59,52 @@ def _vehicle(survey: Survey, vehicle: VehicleId, counts: dict[str, int]) -> Vehi
         inertial=inertial_by_preference(autopilot),
         in_simulator=autopilot == MAV_AUTOPILOT_ARDUPILOTMEGA and any(name in counts for name in TLOG_ROLES.truth),
         position=survey.positions.get(system),
-        velocity_lack="" if system in survey.velocities else _velocity_lack(counts),
+        velocity_lack="" if _has_velocity(survey, clocks, vehicle) else _velocity_lack(counts),
         settings=settings,
         parameters=parameters,
         opening=_opening(survey, vehicle),
+        date=_date(survey, system),
+        spans=survey.attitudes.spans(vehicle, length),
+        unfit=_unfit(survey, vehicle, counts),
     )
+
+
+def _unfit(survey: Survey, vehicle: VehicleId, counts: dict[str, int]) -> dict[str, str]:
+    """The reasons why attitudes cannot be compared; those of another frame only while one remains that can."""
+    attitudes = {name: count for name, count in counts.items() if name in TLOG_ROLES.named_reference}
+    reasons = survey.attitudes.unfit(vehicle, attitudes)
+    foreign = {}
+    frame = ImuFrame(_known(survey, vehicle))
+    fit = [name for name in TLOG_ROLES.autopilot if name in attitudes and name not in reasons]
+    for name in fit:
+        first = survey.attitudes.first_of(vehicle, name)
+        if first is not None and frame.attitude(first) is None:
+            foreign[name] = f"{name} is in a frame that its firmware does not tell"
+    return reasons if len(foreign) == len(fit) else {**reasons, **foreign}
+
+
+def _known(survey: Survey, vehicle: VehicleId) -> Vehicle:
+    """The vehicle as it is known at the beginning."""
+    known = Vehicle(AidSettings())
+    for sample in _opening(survey, vehicle):
+        known.take(sample)
+    return known
+
+
+def _has_velocity(survey: Survey, clocks: LogClocks, vehicle: VehicleId) -> bool:
+    """True for a receiver's velocity whose time is known, or becomes so by the shift of the inertial times."""
+    system = vehicle[0]
+    return system in survey.velocities or (system in survey.untimed_velocities and clocks.unix_shift_us(vehicle) != 0)
+
+
+def _date(survey: Survey, system: int) -> FlightDate | None:
+    """The date of a system's flight; None where it has no position to look anything up for."""
+    position = survey.positions.get(system)
+    if position is None:
+        return None
+    counter = survey.counter
+    arrivals = () if counter.bare else (position.rx_ns, counter.first_rx_ns, counter.last_rx_ns)
+    return date_of(arrivals, survey.told_us.get(system))
 
 
 def _opening(survey: Survey, vehicle: VehicleId) -> tuple[Sample, ...]:

@@ -3,26 +3,41 @@
 from typing import Final
 
 from attest_mav.logs.source import VehicleId
+from attest_mav.logs.tlog.attitude_survey import AttitudeSurvey
+from attest_mav.logs.tlog.clocks import LogClocks
 from attest_mav.logs.tlog.message_counter import MessageCounter
+from attest_mav.logs.tlog.roles import TLOG_ROLES
+from attest_mav.logs.tlog.stamp_repair import with_time
+from attest_mav.logs.tlog.stamps import TimeField, time_field
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_INVALID
+from attest_mav.mavlink.decode.boot_clock import UNIX_US, BootClock
 from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
-from attest_mav.types import FirmwareSample, HeartbeatSample, ParameterSample, PositionSample, VelocitySample
+from attest_mav.types import (
+    AttitudeSample,
+    ClockSample,
+    FirmwareSample,
+    HeartbeatSample,
+    ParameterSample,
+    PositionSample,
+    VelocitySample,
+)
 
 
 class Survey:
     """Counts and first samples of a whole log."""
 
-    def __init__(self, dialect: Dialect) -> None:
+    def __init__(self, dialect: Dialect, bare: bool = False) -> None:
         self._heartbeat_id: Final = dialect.id_of("HEARTBEAT")
         self._gps_id: Final = dialect.id_of("GPS_RAW_INT")
         # Without SYSTEM_TIME a receiver's UNIX time cannot be related to the time since boot.
         self._clock_id: Final = dialect.id_of("SYSTEM_TIME")
         self._parameter_id: Final = dialect.id_of("PARAM_VALUE")
         self._firmware_ids: Final = frozenset([dialect.id_of("AUTOPILOT_VERSION"), dialect.id_of("STATUSTEXT")])
+        self._attitude_ids: Final = frozenset([dialect.id_of(name) for name in TLOG_ROLES.named_reference])
         wanted = self._firmware_ids.union([self._heartbeat_id, self._gps_id, self._clock_id, self._parameter_id])
-        self.counter: Final = MessageCounter(dialect, wanted)
+        self.counter: Final = MessageCounter(dialect, wanted.union(self._attitude_ids), bare)
         """Counts of all messages."""
         self.heartbeats: Final[dict[VehicleId, Frame]] = {}
         """The first heartbeat of each flight controller."""
@@ -34,22 +49,35 @@ class Survey:
         """The first position with a 3-D fix, by system."""
         self.velocities: Final[set[int]] = set()
         """The systems with a velocity in GPS_RAW_INT."""
+        self.untimed_velocities: Final[set[int]] = set()
+        """The systems with one whose time cannot be related to the time since boot."""
+        self.attitudes: Final = AttitudeSurvey()
+        self.told_us: Final[dict[int, int]] = {}
+        """The first UNIX time that a receiver told, us, by system."""
+        self.boot_clock: Final = BootClock()
         self.parameters: Final[dict[VehicleId, dict[int, ParameterSample]]] = {}
         """The last parameter of each setting, by sender."""
         self.first_parameters: Final[dict[VehicleId, dict[int, ParameterSample]]] = {}
         """The first one of each, where it is part of a list: a change tells nothing of the time before."""
         self._decoder: Final = Decoder(dialect)
+        self._fix_time: Final[TimeField] = time_field(dialect, "GPS_RAW_INT")
 
     @property
     def autopilots(self) -> dict[int, int]:
         """MAV_AUTOPILOT by system, as far as heartbeats tell it."""
         return self._decoder.autopilots
 
+    def clocks(self) -> LogClocks:
+        """The judgement on the clocks; to be called when all frames have been taken."""
+        return LogClocks(self.counter, self.boot_clock)
+
     def take(self, frames: list[Frame]) -> None:
         """Take the next frames that the counter returns."""
         for frame in frames:
             if frame.message_id == self._clock_id:
-                self._decoder.decode(frame)
+                self._take_clock(frame)
+            elif frame.message_id in self._attitude_ids:
+                self._take_attitude(frame)
             elif frame.message_id == self._gps_id:
                 self._take_fix(frame)
             elif frame.message_id == self._heartbeat_id and (frame.system, frame.component) not in self.heartbeats:
@@ -59,14 +87,29 @@ class Survey:
             elif frame.message_id in self._firmware_ids:
                 self._take_firmware(frame)
 
+    def _take_clock(self, frame: Frame) -> None:
+        for sample in self._decoder.decode(frame):
+            if isinstance(sample, ClockSample):
+                self.boot_clock.learn(frame.system, sample.unix_us, sample.t_ns // 1_000_000)
+                if sample.unix_us >= UNIX_US:
+                    self.told_us.setdefault(frame.system, sample.unix_us)
+
+    def _take_attitude(self, frame: Frame) -> None:
+        for sample in self._decoder.decode(frame):
+            if isinstance(sample, AttitudeSample):
+                self.attitudes.take(frame.offset, sample)
+
     def _take_fix(self, frame: Frame) -> None:
+        """Position and velocity; without a usable time they still tell the place, and that there is a velocity."""
         if frame.system in self.positions and frame.system in self.velocities:
             return
-        for sample in self._decoder.decode(frame):
+        samples = self._decoder.decode(frame)
+        has_time = bool(samples)
+        for sample in samples or self._decoder.decode(with_time(frame, self._fix_time, 0)):
             if isinstance(sample, PositionSample):
                 self.positions.setdefault(frame.system, sample)
             elif isinstance(sample, VelocitySample):
-                self.velocities.add(frame.system)
+                (self.velocities if has_time else self.untimed_velocities).add(frame.system)
 
     def _take_heartbeat(self, frame: Frame) -> None:
         for sample in self._decoder.decode(frame):

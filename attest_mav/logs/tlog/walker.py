@@ -5,6 +5,9 @@ of ``attest_mav.mavlink.wire.walker``. A time that steps back by more than a sec
 damaged. It is believed when the next record's time goes on from it; otherwise the frame gets the time of the one
 before. So a true step (the recorder's clock was set, two logs in one file) costs nothing, and a damaged time moves no
 other frame.
+
+A bare stream has no times. A frame of it gets the newest time since boot that its system has sent, so that everything
+that compares arrivals goes by the sensor's clock.
 """
 
 from struct import Struct
@@ -12,6 +15,7 @@ from typing import Final
 
 from mypy_extensions import i64
 
+from attest_mav.logs.tlog.stamps import NewestBootTime
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
 from attest_mav.mavlink.wire.walker import Walker
@@ -30,10 +34,12 @@ _MAX_STEP_US: Final = 10_000_000
 
 
 class TlogWalker(Walker):
-    """The frames of a tlog, from windows of it."""
+    """The frames of a tlog, from windows of it; ``bare``: those of a stream without times."""
 
-    def __init__(self, dialect: Dialect, wanted: frozenset[int] | None) -> None:
-        super().__init__(dialect, wanted, STAMP_BYTES)
+    def __init__(self, dialect: Dialect, wanted: frozenset[int] | None, bare: bool = False) -> None:
+        super().__init__(dialect, wanted, 0 if bare else STAMP_BYTES)
+        self.bare: Final = bare
+        self._boot_clock: Final = NewestBootTime(dialect) if bare else None
         self.bad_stamps: i64 = 0
         """Times that were not believed."""
         self._last_us: i64 = -1
@@ -55,6 +61,8 @@ class TlogWalker(Walker):
 
     def _arrival(self, size: i64) -> i64:
         """The record's time if it can be believed, else that of the record before; ns."""
+        if self._boot_clock is not None:
+            return self._boot_clock.at(self._data, self._place)
         stamp: i64 = self._stamp(self._place) if self._place - self._done >= STAMP_BYTES else -1
         if stamp < 0 or not (_goes_on(self._last_us, stamp) or self._confirmed(stamp, size)):
             self.bad_stamps += 1

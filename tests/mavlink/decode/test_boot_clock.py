@@ -27,6 +27,19 @@ def test_unix_time_waits_for_system_time():
     assert clock.since_boot_ns(2, BOOT_US + 5_000_000) == UNKNOWN, "another system has another clock"
 
 
+def test_a_simulators_boot_in_1970_shows_in_the_last_32_bits():
+    boot_ms = (BOOT_US // 1000) % (1 << 32)
+    clock = BootClock()
+    clock.learn(1, 0, boot_ms)
+    assert clock.since_boot_ns(1, BOOT_US + 5_000_001) == (boot_ms * 1000 + 5_000_001) * 1000
+    assert clock.since_boot_ns(1, BOOT_US + 900_000_000) == (boot_ms * 1000 + 900_000_000) * 1000, "once seen, it holds"
+    assert clock.since_boot_ns(2, BOOT_US) == UNKNOWN, "another system has another clock"
+    wrapping = BootClock()
+    wrapping.learn(1, 0, (1 << 32) - 1000)
+    near_us = 400 * (1000 << 32)
+    assert wrapping.since_boot_ns(1, near_us + 500_000) == 500_000_000, "the counter begins again between the two"
+
+
 def test_rounding_of_system_time_does_not_move_the_samples_and_a_reboot_does():
     clock = BootClock()
     clock.learn(1, BOOT_US + 4_000_700, 4_000)
