@@ -18,11 +18,13 @@ from attest_mav.filters.registry import default_filter, filter_names
 from attest_mav.logs.formats import inertial_names, reference_names
 from attest_mav.replay.batch import Report, replay_file, replay_files
 from attest_mav.replay.csv_table import CsvTable
-from attest_mav.replay.plan import check_names
+from attest_mav.replay.plan import VehicleChoice, check_names
 from attest_mav.replay.request import Outputs, Request, Window
 from attest_mav.runtime.files import atomic_write, open_log
 
 AUTO: Final = "auto"
+LARGEST_ID: Final = 255
+"""Of a MAVLink system or component."""
 
 
 @click.command("replay")
@@ -33,11 +35,15 @@ AUTO: Final = "auto"
     default=AUTO,
     show_default=True,
     metavar="A,B",
-    help=f"Filters to run, of {', '.join(filter_names())}; {AUTO}: velocity-aided where the log has a velocity, else "
-    "gradient-descent.",
+    help=f"Filters to run, of {', '.join(filter_names())}; {AUTO}: velocity-aided, whether or not there is a velocity.",
 )
 @click.option("--imu", metavar="MESSAGE", help=f"Inertial message to use, of {', '.join(inertial_names())}.")
 @click.option("--reference", metavar="MESSAGE", help=f"What to compare with, of {', '.join(reference_names())}.")
+@click.option(
+    "--vehicle",
+    metavar="SYSTEM[/COMPONENT]",
+    help="Vehicle to read where a log has several; the one with most inertial messages if not given.",
+)
 @click.option(
     "--skip", "skip_s", default=30.0, show_default=True, metavar="SECONDS", help="Not counted: so long after alignment."
 )
@@ -58,6 +64,7 @@ def command(
     filters: str,
     imu: str | None,
     reference: str | None,
+    vehicle: str | None,
     skip_s: float,
     start_s: float,
     end_s: float,
@@ -68,14 +75,15 @@ def command(
 ) -> None:
     """Run filters over LOGs and compare them, and the autopilot's own attitude, with a reference.
 
-    LOG is a telemetry log (tlog). Messages that are not named are chosen: the best inertial message, and a simulator's
-    truth as reference where there is one. Errors are in degrees: the angle between the gravity directions (tilt), and
-    what is left (heading).
+    LOG is a telemetry log (tlog) or a bare MAVLink stream. Messages that are not named are chosen: the best inertial
+    message, and a simulator's truth as reference where there is one. Errors are in degrees: the angle between the
+    gravity directions (tilt), and what is left (heading).
     """
     check_names(imu, reference)
     _check_declination(declination_deg)
     _check_outputs(logs, csv_path, tlog_path)
-    request = Request(_filters(filters), imu, reference, declination_deg, _window(start_s, end_s, skip_s))
+    window = _window(start_s, end_s, skip_s)
+    request = Request(_filters(filters), imu, reference, declination_deg, window, _vehicle(vehicle))
     with ExitStack() as stack:
         table = None if csv_path is None else stack.enter_context(_csv_table(csv_path))
         annotated = None if tlog_path is None else stack.enter_context(atomic_write(tlog_path))
@@ -133,6 +141,17 @@ def _filters(text: str) -> tuple[AttitudeFilter, ...]:
     if len(set(names)) < len(names):
         raise UsageError(f"--filter {text}: a filter is named twice")
     return tuple(default_filter(name) for name in names)
+
+
+def _vehicle(text: str | None) -> VehicleChoice | None:
+    """The vehicle of ``SYSTEM`` or ``SYSTEM/COMPONENT``."""
+    if text is None:
+        return None
+    system, slash, component = text.partition("/")
+    numbers = [system, component] if slash else [system]
+    if not all(number.isdecimal() and int(number) <= LARGEST_ID for number in numbers):
+        raise UsageError(f"--vehicle {text}: expected SYSTEM or SYSTEM/COMPONENT, numbers from 0 to {LARGEST_ID}")
+    return int(system), int(component) if slash else None
 
 
 def _window(start_s: float, end_s: float, skip_s: float) -> Window:

@@ -48,7 +48,7 @@ def _header(report: dict[str, Any]) -> list[tuple[str, str]]:
 
 def _north(north: dict[str, Any]) -> str:
     if north["reference"] == "magnetic":
-        return "magnetic: the log has no position to look the declination up for; --declination gives it"
+        return "magnetic: the declination is not known; --declination gives it"
     return f"true; declination {north['declination_deg']:+.2f} deg, {north['source']}"
 
 

@@ -8,7 +8,8 @@ from attest_mav.estimation.timebase import WRAP_NS
 from attest_mav.innovation import Innovation
 from attest_mav.replay.consistency import Consistency
 from attest_mav.replay.metrics import SURE, ErrorColumns
-from attest_mav.replay.reference_track import MEMORY_NS, ReferenceTrack
+from attest_mav.replay.reference_track import MEMORY_NS, Lack, ReferenceTrack
+from attest_mav.replay.steady_tilt import SteadyTilt
 from attest_mav.types import North, Quat
 
 
@@ -52,7 +53,7 @@ class ComparedAttitude:
         self.tilt: Final = tilt
         """Tilt error, rad; None without a reference at that time."""
         self.heading: Final = heading
-        """Heading error, rad; None as above, or if the heading refers to no north."""
+        """Heading error, rad; None as above, or if the heading does not refer to true north as the reference does."""
 
 
 class ComparisonSink(Protocol):
@@ -72,6 +73,11 @@ class Comparison:
         self.name: Final = name
         self.errors: Final = ErrorColumns()
         self.consistency: Final = Consistency()
+        self.steady_tilt: Final = SteadyTilt()
+        self.outside = 0
+        """Counted attitudes before the first or after the last sample of the reference."""
+        self.uneven = 0
+        """Counted attitudes where the reference could not be bridged between its samples."""
         self._reference: Final = reference
         self._sink: Final = sink
         self._waiting: Final[deque[Attitude]] = deque()
@@ -103,12 +109,22 @@ class Comparison:
         truth = self._reference.at(attitude.t_ns)
         if truth is not None:
             tilt = tilt_between(attitude.q_nb, truth)
-            if attitude.north != North.RELATIVE:
+            if attitude.north == North.TRUE:
                 heading = heading_between(attitude.q_nb, truth)
             if attitude.counted:
                 self._count(attitude, tilt, heading)
+                self.steady_tilt.add(attitude.q_nb, truth)
+        elif attitude.counted:
+            self._miss(attitude)
         if self._sink is not None:
             self._sink.write(ComparedAttitude(self.name, attitude, tilt, heading))
+
+    def _miss(self, attitude: Attitude) -> None:
+        """Count an attitude that has no reference."""
+        if self._reference.lack(attitude.t_ns) == Lack.UNEVEN:
+            self.uneven += 1
+        else:
+            self.outside += 1
 
     def _count(self, attitude: Attitude, tilt: float, heading: float | None) -> None:
         """Add the errors (rad) to the figures."""

@@ -6,10 +6,9 @@ Nothing grows with the log but the columns of errors and of intervals.
 """
 
 from dataclasses import dataclass
-from math import nan
 from typing import Final
 
-from attest_mav.earth_field import LocalField, field_at, simulated_field_at
+from attest_mav.earth_field import LocalField
 from attest_mav.errors import UnreadableDataError, UsageError
 from attest_mav.logs.source import (
     AnnotatableSource,
@@ -19,13 +18,13 @@ from attest_mav.logs.source import (
     LogSummary,
     Plan,
     Progress,
-    VehicleSummary,
 )
 from attest_mav.replay.flight import Flight
+from attest_mav.replay.north import north_of
 from attest_mav.replay.notes import all_notes, choice_notes
 from attest_mav.replay.plan import make_plan, suitable_filter
 from attest_mav.replay.request import Outputs, Request
-from attest_mav.types import EarthField, PositionSample, Sample, VehicleSettings
+from attest_mav.types import Sample, VehicleSettings
 
 SUMMARY_SHARE: Final = 0.2
 """Approximate share of the first pass in the time of a replay, for the progress."""
@@ -63,14 +62,14 @@ class Recording:
 def replay(source: LogSource, request: Request, outputs: Outputs) -> Replay:
     """Replay a log. UnreadableDataError names what is missing in it."""
     summary = source.summary(_part_of(outputs.progress, 0.0, SUMMARY_SHARE))
-    plan = make_plan(summary, request.imu, request.reference)
+    plan = make_plan(summary, request.imu, request.reference, request.vehicle)
     vehicle = summary.vehicles[plan.vehicle]
-    earth_field = _earth_field(vehicle, request.declination_deg)
-    filters = request.filters or (suitable_filter(vehicle),)
+    north = north_of(vehicle, request.declination_deg)
+    filters = request.filters or (suitable_filter(),)
     flight = Flight(
         plan,
         [one.with_vehicle_settings(vehicle.settings) for one in filters],
-        EarthField() if earth_field is None else earth_field.direction,
+        north.direction,
         request.window,
         outputs.attitudes,
         _estimate_writer(source, plan, outputs.annotated),
@@ -81,8 +80,8 @@ def replay(source: LogSource, request: Request, outputs: Outputs) -> Replay:
         reasons = "; ".join(source.refusals(plan)) or "the part to be read has none"
         raise UnreadableDataError(f"no usable {plan.imu}: {reasons}")
     notes = [] if request.filters else choice_notes(summary, plan)
-    notes += all_notes(source, summary, plan, flight, filters)
-    return Replay(summary, plan, earth_field, flight, tuple(notes))
+    notes += [*all_notes(source, summary, plan, flight, filters), *north.notes]
+    return Replay(summary, plan, north.field, flight, tuple(notes))
 
 
 def record(source: LogSource, imu: str | None = None, reference: str | None = None) -> Recording:
@@ -93,7 +92,7 @@ def record(source: LogSource, imu: str | None = None, reference: str | None = No
     samples: list[Sample] = []
     for batch in source.samples(plan):
         samples.extend(batch.samples)
-    return Recording(plan, _earth_field(vehicle, None), vehicle.settings, samples)
+    return Recording(plan, north_of(vehicle, None).field, vehicle.settings, samples)
 
 
 def _part_of(progress: Progress | None, begin: float, end: float) -> Progress | None:
@@ -111,21 +110,6 @@ def _estimate_writer(source: LogSource, plan: Plan, sink: ByteSink | None) -> Es
     if not isinstance(source, AnnotatableSource):
         raise UsageError("the format of this log cannot hold our attitudes; expected a tlog")
     return source.estimate_writer(plan, sink)
-
-
-def _earth_field(vehicle: VehicleSummary, given_deg: float | None) -> LocalField | None:
-    """The field at the vehicle's first position, in its world; a given declination replaces the one looked up."""
-    found = None if vehicle.position is None else _field_at(vehicle.position, vehicle.in_simulator)
-    if given_deg is None:
-        return found
-    return LocalField(given_deg, nan if found is None else found.inclination_deg, "given")
-
-
-def _field_at(position: PositionSample, simulated: bool) -> LocalField:
-    """The field of the simulator's world, or of this one on the day of the recording."""
-    place = (position.latitude_deg, position.longitude_deg)
-    found = simulated_field_at(*place) if simulated else None
-    return found or field_at(*place, position.altitude_m, unix_s=position.rx_ns * 1e-9)
 
 
 def _fly(source: LogSource, flight: Flight, plan: Plan, progress: Progress | None) -> None:

@@ -11,7 +11,7 @@ from attest_mav.estimation.vehicle import AidSettings, Vehicle
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.logs.source import EstimateWriter, Plan
 from attest_mav.replay.comparison import Attitude, Comparison, ComparisonSink
-from attest_mav.replay.log_time import LogTime, Regularity
+from attest_mav.replay.log_time import LogTime, Motion, Regularity
 from attest_mav.replay.reference_track import ReferenceTrack
 from attest_mav.replay.request import Window
 from attest_mav.replay.stamping import BurstStamp, Stamped
@@ -53,6 +53,7 @@ class Flight:
         if self.autopilot is not None:
             self._comparisons.append(self.autopilot)
         self.imu: Final = Regularity()
+        self.motion: Final = Motion()
         self.reference_samples = 0
         self.window: Final = window
         self._imu_source: Final[str] = plan.imu
@@ -103,6 +104,8 @@ class Flight:
         if not self._reading:
             return
         self.imu.add(sample.t_ns)
+        self.motion.add(sample.t_ns, sample.gyro)
+        self._reference.add_rates(sample.t_ns % WRAP_NS, sample.gyro)
         for run in self.runs:
             for event in run.pipeline.handle(sample):
                 if isinstance(event, Estimate):

@@ -1,15 +1,28 @@
-"""Log time and the regularity of the inertial samples."""
+"""Log time, and the regularity and motion of the inertial samples."""
 
 from array import array
 from math import fsum
 from typing import Final
 
+from attest_mav.algebra import norm, sub
 from attest_mav.replay.reference_track import CLOCK_BACK_NS
+from attest_mav.types import Vec3
 
 GAP_S: Final = 0.1
 """A pause of this length or less is no gap, at any rate."""
 GAP_INTERVALS: Final = 2.5
 """A pause of at most this many median intervals is no gap: at 4 Hz every interval is longer than ``GAP_S``."""
+STILL_RATE: Final = 0.1
+"""rad/s: a gyro that reads less is still, its bias included."""
+STILL_SHARE: Final = 0.99
+"""A vehicle stands if its gyro is still in this share of the samples."""
+UNSEEN_TURN: Final = 0.14
+"""rad (8 deg): change of the rates from one sample to the next times the time between them; an eighth of it, 1 deg, is
+the turn that the rates at the ends do not show."""
+UNSEEN_SHARE: Final = 0.05
+"""Share of samples with more from which on a flight is undersampled."""
+LONGEST_STEP_S: Final = 3.0
+"""A longer step is a gap, and tells nothing of the sampling."""
 
 
 class LogTime:
@@ -58,3 +71,35 @@ class Regularity:
         limit = max(GAP_S, GAP_INTERVALS * intervals[len(intervals) // 2])
         usual = [interval for interval in intervals if interval <= limit]
         return (len(usual) / fsum(usual), len(intervals) - len(usual))
+
+
+class Motion:
+    """Whether the vehicle turned, and whether it did so between the samples."""
+
+    def __init__(self) -> None:
+        self._samples = 0
+        self._still = 0
+        self._unseen = 0
+        self._last_ns = -1
+        self._rates: Vec3 = (0.0, 0.0, 0.0)
+
+    def add(self, t_ns: int, gyro: Vec3) -> None:
+        """Take the next sample. gyro: rad/s."""
+        self._samples += 1
+        if norm(gyro) < STILL_RATE:
+            self._still += 1
+        dt_s = (t_ns - self._last_ns) * 1e-9
+        if self._last_ns >= 0 and 0.0 < dt_s < LONGEST_STEP_S and norm(sub(gyro, self._rates)) * dt_s > UNSEEN_TURN:
+            self._unseen += 1
+        self._last_ns = t_ns
+        self._rates = gyro
+
+    @property
+    def stands(self) -> bool:
+        """True if the vehicle stood through nearly all of the samples."""
+        return self._still >= STILL_SHARE * self._samples
+
+    @property
+    def is_undersampled(self) -> bool:
+        """True if the rates changed much from one sample to the next through a part of the flight."""
+        return self._unseen > UNSEEN_SHARE * self._samples

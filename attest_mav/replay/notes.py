@@ -1,14 +1,16 @@
 """Remarks for the reader of a replay's figures, one line each."""
 
 from collections.abc import Iterable, Sequence
-from math import inf, isfinite
+from math import isfinite
 
+from attest_mav.estimation.body_frames import ARDUPILOT
 from attest_mav.filters.base import AttitudeFilter
-from attest_mav.logs.source import LogSource, LogSummary, Plan
+from attest_mav.logs.source import LogSource, LogSummary, Plan, VehicleSummary
 from attest_mav.mavlink.decode.autopilot_parameters import quantity, with_unit
 from attest_mav.replay.flight import Flight
-from attest_mav.replay.plan import suitable_filter
-from attest_mav.types import ParameterSample
+from attest_mav.replay.plan import replayable
+from attest_mav.replay.sampling_notes import coverage_notes, rate_notes
+from attest_mav.types import HeartbeatSample, ParameterSample, Setting
 
 
 def all_notes(
@@ -19,44 +21,60 @@ def all_notes(
     return [
         *source.notes(plan),
         *source.refusals(plan),
-        *_other_autopilots(summary, plan),
-        *_nothing_compared(plan, flight),
+        *_other_vehicles(summary, plan),
+        *_unfit_attitudes(vehicle, plan),
+        *rate_notes(plan, flight),
+        *coverage_notes(plan, flight),
         *_truth_repeated(plan, flight),
+        *_untold_trim(summary, plan, flight),
         *flight.imu_frame.history,
         *_setting_notes(vehicle.parameters, filters),
     ]
 
 
 def choice_notes(summary: LogSummary, plan: Plan) -> list[str]:
-    """The reason why the flight filter was not chosen, for a user who named no filter."""
+    """A remark on the filter, for a user who named none."""
     vehicle = summary.vehicles[plan.vehicle]
     if vehicle.has_velocity:
         return []
-    chosen = suitable_filter(vehicle).name
-    return [f"no velocity in the log: {vehicle.velocity_lack}; so {chosen} was chosen, and not velocity-aided"]
+    return [f"no velocity in the log: {vehicle.velocity_lack}; velocity-aided goes by gravity instead"]
 
 
-def _other_autopilots(summary: LogSummary, plan: Plan) -> list[str]:
-    others = [one.vehicle for one in summary.vehicles.values() if one.is_autopilot and one.vehicle != plan.vehicle]
+def _other_vehicles(summary: LogSummary, plan: Plan) -> list[str]:
+    """The other vehicles that could be replayed."""
+    others = [one.vehicle for one in replayable(summary) if one.vehicle != plan.vehicle]
     if not others:
         return []
     named = ", ".join(f"{system}/{component}" for system, component in others)
-    return [f"the log has other autopilots too ({named}); this is {plan.vehicle[0]}/{plan.vehicle[1]}"]
+    this = f"{plan.vehicle[0]}/{plan.vehicle[1]}"
+    return [f"the log has other vehicles too ({named}); this is {this} (--vehicle names another)"]
 
 
-def _nothing_compared(plan: Plan, flight: Flight) -> list[str]:
-    if plan.reference is None or any(run.comparison.errors.samples for run in flight.runs):
-        return []
-    lost = all(run.aligned_s == inf for run in flight.runs)
-    lack = "no filter found an attitude" if lost else f"no {plan.reference} at the times of the samples that count"
-    return [f"nothing was compared: {lack}"]
+def _unfit_attitudes(vehicle: VehicleSummary, plan: Plan) -> list[str]:
+    """A line for each attitude that is not compared, or should not have been."""
+    used = (plan.reference, plan.autopilot)
+    return [reason if name in used else f"{reason}; not compared" for name, reason in vehicle.unfit.items()]
 
 
 def _truth_repeated(plan: Plan, flight: Flight) -> list[str]:
     tilt = None if flight.autopilot is None else flight.autopilot.errors.tilt()
-    if tilt is None or tilt.max != 0.0:
+    if tilt is None or tilt.p95 != 0.0:
         return []
     return [f"{plan.autopilot} repeats {plan.reference}: this autopilot flew on the simulator's truth"]
+
+
+def _untold_trim(summary: LogSummary, plan: Plan, flight: Flight) -> list[str]:
+    """A steady tilt against an autopilot that can be trimmed, in a log without its parameters."""
+    vehicle = summary.vehicles[plan.vehicle]
+    is_trimmable = any(isinstance(one, HeartbeatSample) and one.autopilot == ARDUPILOT for one in vehicle.opening)
+    is_told = isfinite(vehicle.settings.get(Setting.TRIM_X))
+    if not is_trimmable or is_told or plan.reference not in summary.roles.autopilot:
+        return []
+    offset_deg = flight.runs[0].comparison.steady_tilt.offset_deg()
+    if offset_deg is None:
+        return []
+    kind = "of the kind that AHRS_TRIM makes; the log does not tell the trim"
+    return [f"steady tilt of {offset_deg:.1f} deg against {plan.reference}, {kind}"]
 
 
 def _setting_notes(parameters: Iterable[ParameterSample], filters: Iterable[AttitudeFilter]) -> list[str]:

@@ -6,8 +6,15 @@ from attest_mav.errors import UnreadableDataError, UsageError
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.registry import default_filter
 from attest_mav.logs.formats import inertial_names, reference_names
-from attest_mav.logs.source import LogSummary, Plan, VehicleSummary
+from attest_mav.logs.source import LogSummary, MessageRoles, Plan, VehicleSummary
 
+VehicleChoice = tuple[int, int | None]
+"""System and component of the vehicle to read; None for any component of the system."""
+
+ENOUGH: Final = 0.5
+"""An attitude with this share of the messages of the most frequent one, over this share of its span, is as good."""
+TRUTH_SHARE: Final = 0.1
+"""A simulator's truth is preferred to the autopilot's attitude if it has at least this share of its messages."""
 FULL_SHARE: Final = 0.9
 """An inertial message with at least this share of the largest count is as good as the most frequent one."""
 
@@ -20,15 +27,15 @@ def check_names(imu: str | None, reference: str | None) -> None:
         raise UsageError(f"unknown reference {reference!r}; known: {', '.join(reference_names())}")
 
 
-def make_plan(summary: LogSummary, imu: str | None, reference: str | None) -> Plan:
-    """Choose the messages that are not named. UnreadableDataError if a named or an inertial message is missing."""
+def make_plan(summary: LogSummary, imu: str | None, reference: str | None, wanted: VehicleChoice | None = None) -> Plan:
+    """Choose what is not named. UnreadableDataError if what is named, or an inertial message, is missing."""
     roles = summary.roles
-    vehicle = _choose_vehicle(summary, imu)
+    vehicle = _choose_vehicle(summary, imu, wanted)
     if reference is not None and not vehicle.count(reference):
         instead = _instead(vehicle, roles.named_reference)
         raise UnreadableDataError(f"no {reference} in it to compare with{instead}")
-    chosen = reference or _first_present(vehicle, roles.reference)
-    autopilot = _first_present(vehicle, roles.autopilot)
+    chosen = reference or _choose_reference(vehicle, roles)
+    autopilot = _fullest(vehicle, roles.autopilot)
     inertial = imu or _choose_imu(vehicle)
     return Plan(
         vehicle.vehicle,
@@ -39,21 +46,69 @@ def make_plan(summary: LogSummary, imu: str | None, reference: str | None) -> Pl
     )
 
 
-def suitable_filter(vehicle: VehicleSummary) -> AttitudeFilter:
-    """The filter if the user names none: the flight filter if the log has a receiver velocity."""
-    return default_filter("velocity-aided" if vehicle.has_velocity else "gradient-descent")
+def suitable_filter() -> AttitudeFilter:
+    """The filter if the user names none. It is the best one without a receiver's velocity too."""
+    return default_filter("velocity-aided")
 
 
-def _choose_vehicle(summary: LogSummary, imu: str | None) -> VehicleSummary:
+def replayable(summary: LogSummary) -> list[VehicleSummary]:
+    """The flight controllers with inertial messages, all senders with some if there is no flight controller."""
+    present = [one for one in summary.vehicles.values() if _total(one, summary.roles.inertial)]
+    return [one for one in present if one.is_autopilot] or present
+
+
+def _choose_vehicle(summary: LogSummary, imu: str | None, wanted: VehicleChoice | None) -> VehicleSummary:
     """The flight controller with most inertial messages; any sender if there is no flight controller."""
-    wanted = summary.roles.inertial if imu is None else (imu,)
+    names = summary.roles.inertial if imu is None else (imu,)
     senders = list(summary.vehicles.values())
+    if wanted is not None:
+        senders = [one for one in senders if _is_wanted(one, wanted)]
+        if not senders:
+            raise UnreadableDataError(f"no vehicle {_named(wanted)} in it{_vehicles_instead(summary)}")
     candidates = [one for one in senders if one.is_autopilot] or senders
-    best = max(candidates, key=lambda one: _total(one, wanted), default=None)
-    if best is None or not _total(best, wanted):
+    best = max(candidates, key=lambda one: _total(one, names), default=None)
+    if best is None or not _total(best, names):
         present = "" if best is None else _instead(best, summary.roles.inertial)
-        raise UnreadableDataError(f"no {' or '.join(wanted)} in it: nothing to estimate an attitude from{present}")
+        of_vehicle = "" if wanted is None else f" of vehicle {_named(wanted)}"
+        raise UnreadableDataError(
+            f"no {' or '.join(names)}{of_vehicle} in it: nothing to estimate an attitude from{present}"
+        )
     return best
+
+
+def _is_wanted(vehicle: VehicleSummary, wanted: VehicleChoice) -> bool:
+    system, component = wanted
+    return vehicle.vehicle[0] == system and component in (None, vehicle.vehicle[1])
+
+
+def _named(wanted: VehicleChoice) -> str:
+    system, component = wanted
+    return str(system) if component is None else f"{system}/{component}"
+
+
+def _vehicles_instead(summary: LogSummary) -> str:
+    """The vehicles in the log that would do instead, to be appended to an error."""
+    present = [f"{one.vehicle[0]}/{one.vehicle[1]}" for one in replayable(summary)]
+    return f"; it has {', '.join(present)}" if present else ""
+
+
+def _choose_reference(vehicle: VehicleSummary, roles: MessageRoles) -> str | None:
+    """A simulator's truth if there is enough of it, else the fullest of the autopilot's attitudes."""
+    count = max([vehicle.count(name) for name in roles.reference], default=0)
+    truths = [name for name in roles.truth if vehicle.count(name) >= TRUTH_SHARE * count]
+    others = tuple(name for name in roles.reference if name not in roles.truth)
+    return _fullest(vehicle, tuple(truths)) or _fullest(vehicle, others) or _fullest(vehicle, roles.truth)
+
+
+def _fullest(vehicle: VehicleSummary, names: tuple[str, ...]) -> str | None:
+    """The first of the names with about as many messages as any, over about as much of the log; None without any."""
+    present = [name for name in names if vehicle.count(name) and name not in vehicle.unfit]
+    count = max([vehicle.count(name) for name in present], default=0)
+    span = max([vehicle.spans.get(name, 1.0) for name in present], default=0.0)
+    for name in present:
+        if vehicle.count(name) >= ENOUGH * count and vehicle.spans.get(name, 1.0) >= ENOUGH * span:
+            return name
+    return max(present, key=vehicle.count, default=None)
 
 
 def _total(vehicle: VehicleSummary, names: tuple[str, ...]) -> int:
@@ -65,11 +120,6 @@ def _choose_imu(vehicle: VehicleSummary) -> str:
     """The best of the inertial messages that are about as frequent as the most frequent one."""
     enough = FULL_SHARE * max([vehicle.count(name) for name in vehicle.inertial])
     return next(name for name in vehicle.inertial if vehicle.count(name) >= enough)
-
-
-def _first_present(vehicle: VehicleSummary, names: tuple[str, ...]) -> str | None:
-    """The first of the names of which there is a message."""
-    return next((name for name in names if vehicle.count(name)), None)
 
 
 def _instead(vehicle: VehicleSummary, names: tuple[str, ...]) -> str:

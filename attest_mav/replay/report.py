@@ -7,6 +7,7 @@ from attest_mav.replay.comparison import Comparison
 from attest_mav.replay.consistency import Consistency, NisMean, SigmaCount
 from attest_mav.replay.engine import Replay
 from attest_mav.replay.metrics import ErrorColumns, Spread
+from attest_mav.replay.plan import replayable
 
 DIGITS: Final = 6
 """Decimals of a degree, a second, a hertz or a share: more than any of them is good for."""
@@ -23,6 +24,10 @@ def as_json(name: str, replay: Replay) -> dict[str, Any]:
         "bad_bytes": summary.bad_bytes,
         "duration_s": round(summary.duration_s, DIGITS),
         "vehicle": {"system": plan.vehicle[0], "component": plan.vehicle[1]},
+        "vehicles": [
+            {"system": one.vehicle[0], "component": one.vehicle[1], "samples": one.count(plan.imu)}
+            for one in replayable(summary)
+        ],
         "imu": {
             "message": plan.imu,
             "samples": flight.imu.samples,
@@ -62,6 +67,7 @@ def _filter(comparison: Comparison) -> dict[str, Any]:
     return {
         "name": comparison.name,
         **_errors(comparison),
+        "not_compared": {"no_reference": comparison.outside, "uneven_reference": comparison.uneven},
         "valid": _valid(comparison.errors) if has_sigma and comparison.errors.samples else None,
         "consistency": _consistency(comparison.consistency) if has_sigma else None,
     }

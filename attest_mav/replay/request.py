@@ -11,6 +11,7 @@ from typing import Any, Final
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.logs.source import ByteSink, Progress
 from attest_mav.replay.comparison import ComparisonSink
+from attest_mav.replay.plan import VehicleChoice
 
 
 class _AsCall:
@@ -55,11 +56,20 @@ class Request:
     declination_deg: float | None = None
     """Declination, east positive; None to look it up."""
     window: Window = field(default_factory=Window)
+    vehicle: VehicleChoice | None = None
+    """The vehicle to read; None for the one with most inertial messages."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         """The call that makes the request again, for pickle."""
         filters = tuple([_as_call(one) for one in self.filters])
-        return Request, (filters, self.imu, self.reference, self.declination_deg, _as_call(self.window))
+        return Request, (
+            filters,
+            self.imu,
+            self.reference,
+            self.declination_deg,
+            _as_call(self.window),
+            self.vehicle,
+        )
 
 
 @dataclass(frozen=True)

@@ -88,22 +88,47 @@ def test_json_is_one_object_a_log_one_a_line(attest_mav):
     assert keys <= laps.keys()
     assert set(laps["imu"]) == {"message", "samples", "rate_hz", "gaps"}
     assert set(laps["reference"]) == {"message", "samples"}
-    assert set(laps["filters"][0]) == {"name", "samples", "tilt_deg", "heading_deg", "valid", "consistency"}
+    assert set(laps["filters"][0]) == {
+        "name",
+        "samples",
+        "tilt_deg",
+        "heading_deg",
+        "valid",
+        "consistency",
+        "not_compared",
+    }
     assert set(laps["autopilot"]["heading_deg"]) == {"rms", "p95", "max"}
 
 
-def test_without_a_velocity_another_filter_is_taken_and_both_outputs_say_so(attest_mav, tmp_path, without):
+def test_a_vehicle_is_named_and_all_are_listed(attest_mav, tmp_path, log):
+    for sender in ((1, 1), (2, 1)):
+        log.heartbeat(sender=sender)
+        for k in range(300):
+            log.imu(1000 + 20 * k, sender=sender)
+            log.attitude(1000 + 20 * k, sender=sender)
+    path = tmp_path / "two.tlog"
+    path.write_bytes(log.data)
+    _, out, _ = attest_mav("replay", path, "--json", "--vehicle", "2/1", "--skip", "1")
+    result = json.loads(out)
+    assert result["vehicle"] == {"system": 2, "component": 1}
+    assert result["vehicles"] == [
+        {"system": 1, "component": 1, "samples": 300},
+        {"system": 2, "component": 1, "samples": 300},
+    ]
+    _, table, _ = attest_mav("replay", path, "--skip", "1")
+    assert "the log has other vehicles too (2/1); this is 1/1 (--vehicle names another)" in table
+
+
+def test_without_a_velocity_both_outputs_say_so(attest_mav, tmp_path, without):
     path = tmp_path / "no_gps.tlog"
     path.write_bytes(without(LAPS.read_bytes(), 24))
-    _, with_velocity, _ = attest_mav("replay", LAPS, "--json", *ON_BRIEF_LOGS)
     _, out, _ = attest_mav("replay", path, "--filter", "auto", "--json", *ON_BRIEF_LOGS)
     _, table, _ = attest_mav("replay", path, *ON_BRIEF_LOGS)
-    assert json.loads(with_velocity)["filters"][0]["name"] == "velocity-aided"
     result = json.loads(out)
-    assert [one["name"] for one in result["filters"]] == ["gradient-descent"]
+    assert [one["name"] for one in result["filters"]] == ["velocity-aided"]
     assert any(note.startswith("no velocity in the log: it has no GPS_RAW_INT") for note in result["notes"])
     assert "no velocity in the log: it has no GPS_RAW_INT" in table
-    assert "\n  gradient-descent " in table
+    assert "\n  velocity-aided " in table
 
 
 def test_filters_with_a_sigma_are_held_to_it(attest_mav):
@@ -237,6 +262,10 @@ def test_a_log_without_inertial_messages(attest_mav, tmp_path):
         (("--reference", "TRUTH"), 2, "unknown reference 'TRUTH'"),
         (("--reference", "SIMSTATE"), 65, "no SIMSTATE in it to compare with; it has SIM_STATE, ATTITUDE"),
         (("--imu", "HIGHRES_IMU"), 65, "no HIGHRES_IMU in it"),
+        (("--vehicle", "9"), 65, "no vehicle 9 in it; it has 1/1"),
+        (("--vehicle", "1/x"), 2, "--vehicle 1/x: expected SYSTEM or SYSTEM/COMPONENT"),
+        (("--vehicle", "256"), 2, "--vehicle 256"),
+        (("--vehicle", "1/"), 2, "--vehicle 1/"),
         (("--skip", "-1"), 2, "--skip -1"),
         (("--start", "nan"), 2, "--start nan"),
         (("--start", "20", "--end", "10"), 2, "--end 10"),

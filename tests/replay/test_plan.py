@@ -2,7 +2,10 @@ import pytest
 
 from attest_mav.errors import UnreadableDataError, UsageError
 from attest_mav.logs.tlog.source import TlogSource
-from attest_mav.replay.plan import check_names, make_plan
+from attest_mav.replay.plan import check_names, make_plan, replayable
+
+LEVEL = {"ATTITUDE_QUATERNION": {"q1": 1.0}}
+"""Fields of messages whose zeros are no attitude."""
 
 
 def plan_of(log, imu=None, reference=None):
@@ -12,7 +15,7 @@ def plan_of(log, imu=None, reference=None):
 def fill(log, **counts):
     for name, count in counts.items():
         for k in range(count):
-            log.imu(1000 + 20 * k, name) if "IMU" in name else log.add(name, 1000 + 20 * k, {})
+            log.imu(1000 + 20 * k, name) if "IMU" in name else log.add(name, 1000 + 20 * k, LEVEL.get(name, {}))
 
 
 @pytest.mark.parametrize(
@@ -82,3 +85,87 @@ def test_names_that_cannot_be_meant_are_usage_errors():
         check_names("ATTITUDE", None)
     with pytest.raises(UsageError, match=r"'RAW_IMU'; known: SIM_STATE"):
         check_names(None, "RAW_IMU")
+
+
+@pytest.mark.parametrize(
+    ("counts", "reference"),
+    [
+        ({"ATTITUDE_QUATERNION": 2, "ATTITUDE": 60}, "ATTITUDE"),  # a companion asked twice
+        ({"ATTITUDE_QUATERNION": 20, "ATTITUDE": 60}, "ATTITUDE"),
+        ({"ATTITUDE_QUATERNION": 50, "ATTITUDE": 60}, "ATTITUDE_QUATERNION"),
+        ({"SIM_STATE": 10, "ATTITUDE": 60}, "SIM_STATE"),  # truth is worth more than number
+        ({"SIM_STATE": 2, "ATTITUDE": 60}, "ATTITUDE"),
+        ({"SIM_STATE": 2, "SIMSTATE": 50, "ATTITUDE": 60}, "SIMSTATE"),
+    ],
+)
+def test_a_few_messages_do_not_make_a_reference(log, counts, reference):
+    log.heartbeat()
+    for k in range(60):
+        for name, count in counts.items():
+            if k * count // 60 != (k - 1) * count // 60:
+                log.add(name, 1000 + 20 * k, LEVEL.get(name, {}))
+        log.imu(1000 + 20 * k)
+    assert plan_of(log).reference == reference
+
+
+def test_a_reference_of_the_first_seconds_alone_is_none(log):
+    log.heartbeat()
+    for k in range(400):
+        log.imu(1000 + 20 * k)
+        log.attitude(1000 + 20 * k)
+        if k < 100:
+            log.add("ATTITUDE_QUATERNION", 1000 + 20 * k, {"q1": 1.0})
+            log.add("ATTITUDE_QUATERNION", 1001 + 20 * k, {"q1": 1.0})
+            log.add("ATTITUDE_QUATERNION", 1002 + 20 * k, {"q1": 1.0})
+    assert plan_of(log).reference == "ATTITUDE"
+
+
+def test_quaternions_that_are_zero_are_no_reference(log):
+    log.heartbeat()
+    for k in range(60):
+        log.imu(1000 + 20 * k)
+        log.attitude(1000 + 20 * k)
+        log.add("ATTITUDE_QUATERNION", 1000 + 20 * k, {})
+    assert plan_of(log).reference == "ATTITUDE"
+
+
+def test_quaternions_of_the_secondary_estimator_are_no_reference(log):
+    log.heartbeat()
+    log.add("STATUSTEXT", 0, {"text": b"ArduCopter V3.6.8 (0a1b2c3d)", "severity": 6})
+    for k in range(60):
+        log.imu(1000 + 20 * k)
+        log.attitude(1000 + 20 * k)
+        log.add("ATTITUDE_QUATERNION", 1000 + 20 * k, {"q1": 1.0})
+    assert plan_of(log).reference == "ATTITUDE"
+
+
+@pytest.fixture
+def two_vehicles(log):
+    """1/1 has most inertial messages, then 2/1; a camera has none."""
+    for sender, count in (((1, 1), 30), ((2, 1), 20)):
+        log.heartbeat(sender=sender)
+        for k in range(count):
+            log.imu(1000 + 20 * k, sender=sender)
+    log.heartbeat(autopilot=8, sender=(1, 100))
+    return TlogSource(log.data, log.dialect).summary()
+
+
+@pytest.mark.parametrize(
+    ("wanted", "vehicle"), [(None, (1, 1)), ((1, None), (1, 1)), ((2, None), (2, 1)), ((2, 1), (2, 1))]
+)
+def test_a_vehicle_can_be_named(two_vehicles, wanted, vehicle):
+    assert make_plan(two_vehicles, None, None, wanted).vehicle == vehicle
+    assert [one.vehicle for one in replayable(two_vehicles)] == [(1, 1), (2, 1)]
+
+
+@pytest.mark.parametrize(
+    ("wanted", "words"),
+    [
+        ((3, None), "no vehicle 3 in it; it has 1/1, 2/1"),
+        ((1, 2), "no vehicle 1/2 in it; it has 1/1, 2/1"),
+        ((1, 100), "of vehicle 1/100 in it: nothing to estimate an attitude from"),
+    ],
+)
+def test_a_vehicle_that_is_not_there_is_an_error_that_names_the_others(two_vehicles, wanted, words):
+    with pytest.raises(UnreadableDataError, match=words):
+        make_plan(two_vehicles, None, None, wanted)
