@@ -6,8 +6,8 @@ mostly tilt, and in manoeuvres heading. The magnetometer turns the heading only 
 effect of telemetry (truncation, low-pass, delays, aliasing) is corrected or estimated.
 
 One filter serves every condition: it changes the aids that correct it, and says which (``AidingMode``).
-docs/flight.md has the equations, and the figures with each part left out. An integrated navigation without position:
-Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., chapter 14.
+docs/filters/velocity-aided.md has the equations. It is an integrated navigation without position: Groves, Principles of
+GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., chapter 14.
 """
 
 from dataclasses import dataclass, field, replace
