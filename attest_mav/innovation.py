@@ -54,6 +54,8 @@ class Fusion(IntEnum):
     """Left out: the state is known better than the measurement could tell."""
     REDUNDANT = 6
     """Left out: a better aid is at work."""
+    NOT_ALONE = 7
+    """Left out: fused only beside another aid that this step lacks."""
 
 
 class Innovation:

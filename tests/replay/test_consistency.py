@@ -52,17 +52,8 @@ def compared(*attitudes):
         track.add(k * MS, q_heading(0.0), None)
         q_nb = q_from_euler(radians(tilt), 0.0, radians(heading))
         sigmas = (radians(tilt_sigma), radians(heading_sigma))
-        comparison.add(
-            Attitude(
-                k * MS,
-                1e-3 * k,
-                q_nb,
-                North.TRUE,
-                *sigmas,
-                counted,
-                (Innovation(Aid.VELOCITY, Fusion.USED, 0, (), (1.0,), (1.0 / (0.5 * k),)),) if k else (),
-            )
-        )
+        velocity = Innovation(Aid.VELOCITY, Fusion.USED, 0, (), (sqrt(0.5 * k),), (1.0,))
+        comparison.add(Attitude(k * MS, 1e-3 * k, q_nb, North.TRUE, *sigmas, counted, (velocity,)))
     return comparison
 
 

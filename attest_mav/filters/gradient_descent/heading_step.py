@@ -8,12 +8,11 @@ from math import atan2, nan, sqrt
 from typing import Final
 
 from attest_mav.algebra import clamp, norm, q_heading, q_mul, rotate
+from attest_mav.plausible import MIN_HORIZONTAL_FIELD
 from attest_mav.types import Quat, Vec3
 
 SETTLING_S: Final = 1.0
 """An error smaller than the step of so long is approached with this time constant: a fixed rate would chatter."""
-MIN_HORIZONTAL_FIELD: Final = 0.1
-"""Sine of the angle between field and vertical: nearer to a magnetic pole there is no heading."""
 
 
 def heading_error(q: Quat, mag: Vec3) -> float:

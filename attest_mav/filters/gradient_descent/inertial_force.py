@@ -16,11 +16,13 @@ from attest_mav.types import Quat, Vec3
 
 @mypyc_attr(acyclic=True)
 class InertialForce:
-    """turned: from the body to the almost inertial axes. force: in these, m/s^2."""
+    """The low-passed specific force."""
 
     def __init__(self, q_inertial_body: Quat, force: Smoothed) -> None:
         self.q_inertial_body: Final = q_inertial_body
+        """From the body to the almost inertial axes."""
         self.force: Final = force
+        """In these, m/s^2."""
 
     @property
     def in_body(self) -> Vec3:

@@ -34,14 +34,19 @@ MIN_VARIANCE: Final = 1e-12
 
 @mypyc_attr(acyclic=True)  # as FilterState
 class LevelState:
-    """velocity: over ground in the body, m/s. down: in the body, near unit length. p_vv, p_vd, p_dd: covariance."""
+    """The estimate of velocity and down vector."""
 
     def __init__(self, velocity: Vec3, down: Vec3, p_vv: Mat3, p_vd: Mat3, p_dd: Mat3) -> None:
         self.velocity: Final = velocity
+        """Over ground, in the body, m/s."""
         self.down: Final = down
+        """Down in the body, near unit length."""
         self.p_vv: Final = p_vv
+        """Covariance of the velocity, (m/s)^2."""
         self.p_vd: Final = p_vd
+        """Covariance of velocity and down vector, m/s."""
         self.p_dd: Final = p_dd
+        """Covariance of the down vector."""
 
 
 def predicted(
@@ -80,7 +85,11 @@ def velocity_gain(rate: Vec3, accel: Vec3, dt_s: float) -> Vec3:
 
 
 def updated(x: LevelState, h_v: Vec3, h_d: Vec3, innovation: float, r: float) -> LevelState:
-    """x after one scalar row z = h_v.V + h_d.a + noise of variance r, eqs. (23) to (25), Joseph form.
+    """x after one scalar measurement z = h_v.V + h_d.a + noise of variance r, eqs. (23) to (25), Joseph form.
+
+    (The same update of one 4 x 4 matrix is ``matrices4.correction4``; that of the flight filter's blocks needs no
+    Joseph form, see ``velocity_aided.measurement.updated``. They differ in the shape of the state alone, which is what
+    the compiler needs written out.)
 
     P <- (I - k h^T) P (I - k h^T)^T + k r k^T, worked out as M + (r k - M h) k^T with M = (I - k h^T) P.
     """

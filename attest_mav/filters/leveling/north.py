@@ -10,31 +10,58 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import add, cross, dot, norm, scale, sub
+from attest_mav.innovation import Aid, Fusion, Innovation
+from attest_mav.plausible import MIN_HORIZONTAL_FIELD, is_field
 from attest_mav.types import Mat3, Vec3
 
 EARTH_RATE: Final = 7.292115e-5
 """rad/s, against the stars."""
-MIN_HORIZONTAL: Final = 0.1
-"""Share of the field that must be level for a heading."""
-MAX_FIELD: Final = 1e9
-"""A magnetometer reading of this length or more is not a field (NaN and infinity fail the same test)."""
 MIN_LENGTH: Final = 1e-6
 """A vector shorter than this has no direction."""
 
 
 @mypyc_attr(acyclic=True)  # as FilterState
 class NorthVector:
-    """A heading, as a direction in the body.
+    """A heading, as a direction in the body, with the record of its correction."""
 
-    direction: north, unit and level. variance: of the heading, rad^2. known: False while it is only where a start
-    without field or in motion put it. from_field: the last step used the magnetometer.
-    """
-
-    def __init__(self, direction: Vec3, variance: float, known: bool, from_field: bool) -> None:
+    def __init__(
+        self,
+        direction: Vec3,
+        variance: float,
+        known: bool,
+        fusion: Fusion | None = None,
+        residual: float = nan,
+        innovation_variance: float = nan,
+    ) -> None:
         self.direction: Final = direction
+        """North in the body, unit and level."""
         self.variance: Final = variance
+        """Of the heading, rad^2."""
         self.known: Final = known
-        self.from_field: Final = from_field
+        """False while it is only where a start without field or in motion put it."""
+        self.fusion: Final = fusion
+        """What became of this step's heading measurement, None without one."""
+        self.residual: Final = residual
+        """Measured minus predicted heading by the field, rad; NaN without one."""
+        self.innovation_variance: Final = innovation_variance
+        """Of the residual, rad^2."""
+
+    @property
+    def from_field(self) -> bool:
+        """Whether this step used the magnetometer."""
+        return not isnan(self.residual)
+
+    def turned(self, direction: Vec3, variance: float, fusion: Fusion | None = None) -> "NorthVector":
+        """The heading after a step without a correction."""
+        return NorthVector(direction, variance, self.known, fusion)
+
+    def innovation(self, t_ns: int) -> Innovation | None:
+        """The record of this step's correction. A supplied heading replaces the old one and has no residual."""
+        if self.fusion is None:
+            return None
+        if isnan(self.residual):
+            return Innovation(Aid.HEADING, self.fusion, t_ns)
+        return Innovation(Aid.HEADING, self.fusion, t_ns, (), (self.residual,), (self.innovation_variance,))
 
 
 def direction(v: Vec3, otherwise: Vec3) -> Vec3:
@@ -82,7 +109,7 @@ def heading_error(north: Vec3, down: Vec3, mag: Vec3) -> float:
     """Angle of the level part of the field east of ``north``, rad; NaN where the field shows no heading."""
     length = norm(mag)
     level = across(mag, down)
-    if not 0.0 < length < MAX_FIELD or norm(level) < MIN_HORIZONTAL * length:
+    if not is_field(mag) or norm(level) < MIN_HORIZONTAL_FIELD * length:
         return nan
     return atan2(dot(cross(down, north), level), dot(north, level))
 

@@ -1,8 +1,8 @@
 """Robust adaptive extended Kalman filter of the attitude quaternion (paper 2).
 
-The state is the quaternion itself. The rows of a measurement are the three components of the unit specific force and
-the heading. A row whose innovation is too large for its variance counts less or not at all (robust, eqs. (15), (16));
-when the rows that are left still disagree more than they should, the prediction counts less (adaptive, eq. (28)).
+The state is the quaternion itself. The measurements are the three components of the unit specific force and the
+heading. One whose innovation is too large for its variance counts less or not at all (robust, eqs. (15), (16)); when
+those that are left still disagree more than they should, the prediction counts less (adaptive, eq. (28)).
 With both switched off it is the plain extended Kalman filter. docs/filters/robust-adaptive.md lists the corrections to
 the paper, and why the recommended logic is not the printed one.
 
@@ -13,34 +13,33 @@ from dataclasses import dataclass
 from math import inf, isinf, isnan, nan, sqrt
 from typing import Final, cast
 
-from attest_mav.algebra import norm, q_dot, q_exp, q_mul, q_norm, q_unit, scale, sub
+from attest_mav.algebra import norm, q_exp, q_mul, q_norm, q_unit, scale, sub
 from attest_mav.filters.base import MAX_CORRECTION_DT_S, AttitudeFilter, FilterInputs, FilterState, Start
 from attest_mav.filters.robust_adaptive.model import (
     accel_innovation,
+    fused,
     heading_innovation,
     measurement_jacobian,
+    nominal,
+    nominal_nis,
     predicted_covariance,
+    present,
     state_variances_of,
 )
 from attest_mav.filters.robust_adaptive.state import RobustAdaptiveState, unchanged, without_measurement
 from attest_mav.matrices4 import (
     Mat4,
     add4,
-    correction4,
     diagonal4,
     floor_diagonal4,
     largest_variance4,
     no_negative_variance4,
-    scale4,
     scaled4,
     symmetric4,
 )
+from attest_mav.plausible import is_force, is_rate
 from attest_mav.types import G_MPS2, ImuSample, Quat
 
-MAX_RATE: Final = 1e3
-"""rad/s: a gyro that reports this much is not read (no sensor measures it, and its square must not overflow)."""
-MAX_ACCEL: Final = 1e4
-"""m/s^2: the same for the accelerometer."""
 MIN_LENGTH: Final = 0.5
 """A quaternion that a correction leaves shorter than this, like a covariance with a negative variance or NaN, is
 beyond mending: the attitude becomes NaN, which asks for a new start."""
@@ -54,36 +53,40 @@ SATURATION_NOISE: Final = 10.0
 
 @dataclass(frozen=True)
 class RobustAdaptive(AttitudeFilter):
-    """Parameters; the defaults are the recommended logic and noise.
-
-    printed: the algorithm as the paper prints it: inflation without rejection, the adaptive factor (28) from one
-    sample, a heading row that turns about all axes. It is here to study the paper, not to fly.
-    robust, adaptive: False sets all inflations, or the adaptive factor, to 1.
-    c: standardised innovation above which a row counts less. c_reject: above which it is rejected (recommended logic).
-    reacquire_s: a row rejected for so long is believed again, s (recommended logic); infinite: never.
-    average_s, max_disagreement, min_alpha: the mean squared standardised innovation of the rows that are not flagged
-    is averaged over ``average_s``; above ``max_disagreement`` it inflates the prediction, to 1/``min_alpha`` at most.
-    r_accel, r_heading: variances of a component of the unit specific force, and of the heading (rad^2).
-    gyro_noise: power of the gyro's noise, rad^2/s, with a share for what is left of its bias. q_step: variance added
-    to each quaternion component a step, as the paper has it. p0: variance of each component at the start.
-    max_accel_error_g: the accelerometer is used while its length is this near to 1 g.
-    """
+    """Parameters; the defaults are the recommended logic and noise."""
 
     printed: bool = False
+    """Whether the algorithm runs as the paper prints it: inflation without rejection, the adaptive factor (28) from one
+    sample, a heading measurement that turns about all axes. It is here to study the paper, not to fly."""
     robust: bool = True
+    """False sets all inflations to 1."""
     adaptive: bool = True
+    """False sets the adaptive factor to 1."""
     c: float = 1.5
+    """sigmas. A measurement whose normalised innovation is larger counts less."""
     c_reject: float = 6.0
+    """sigmas. A measurement whose normalised innovation is larger is rejected (recommended logic)."""
     reacquire_s: float = 5.0
+    """s. If a measurement is rejected continuously for this time, the filter assumes that its own state is wrong and
+    accepts the measurement with nominal variance (recommended logic); infinite: never."""
     average_s: float = 0.5
+    """s. Length of the mean normalised innovation squared of the measurements that are not inflated."""
     max_disagreement: float = 2.0
+    """1. Above this mean the prediction's covariance is inflated."""
     min_alpha: float = 0.2
+    """1. To 1 / ``min_alpha`` at most."""
     r_accel: float = 1e-3
+    """1. Variance of a component of the unit specific force; too small and accelerations tilt the attitude."""
     r_heading: float = 2.7e-3
+    """rad^2. Variance of the heading."""
     gyro_noise: float = 2.7e-7
+    """rad^2/s. Power of the gyro's noise, with a share for what is left of its bias."""
     q_step: float = 0.0
+    """1. Variance added to each quaternion component a step, as the paper has it; it depends on the rate."""
     p0: float = 1e-4
+    """1. Variance of each component at the start."""
     max_accel_error_g: float = 0.3
+    """g. The accelerometer is used while its length is this near to 1 g."""
 
     @property
     def name(self) -> str:
@@ -95,10 +98,13 @@ class RobustAdaptive(AttitudeFilter):
         return without_measurement(start.q_nb, start.gyro_bias, diagonal4(self.p0), 1.0, (0.0, 0.0, 0.0, 0.0))
 
     def step(self, state: FilterState, dt_s: float, sample: ImuSample, inputs: FilterInputs) -> RobustAdaptiveState:
-        """One step of (14): predict, weigh the rows, weigh the prediction, correct. Without a usable gyro it holds."""
+        """One step of (14): predict, weigh the measurements and the prediction, correct.
+
+        Without a usable gyro the state stays as it is.
+        """
         before = cast("RobustAdaptiveState", state)
         gyro = sub(sample.gyro, before.gyro_bias)
-        if not norm(gyro) < MAX_RATE:
+        if not is_rate(gyro):
             return unchanged(before)
         turn = q_exp(scale(gyro, 0.5 * dt_s))
         q = q_unit(q_mul(before.q_nb, turn))
@@ -106,7 +112,7 @@ class RobustAdaptive(AttitudeFilter):
         noise = 0.25 * noise_factor * self.gyro_noise * dt_s
         p = predicted_covariance(before.covariance, turn, q, noise, noise_factor * self.q_step)
 
-        z = self._innovation(q, sample, inputs)
+        z = self._residual(q, sample, inputs)
         jacobian = measurement_jacobian(q, not self.printed)
         state_variances = state_variances_of(p, jacobian)
         inflation, rejected_s = self.weigh_measurements(z, state_variances, before.rejected_s, dt_s)
@@ -124,26 +130,33 @@ class RobustAdaptive(AttitudeFilter):
             not isinf(inflation[3]),
             floor_diagonal4(p, MIN_VARIANCE),
             z,
+            self._innovation_variance(state_variances),
             inflation,
             alpha,
             mean_nis,
             rejected_s,
+            sample,
         )
 
-    def _innovation(self, q: Quat, sample: ImuSample, inputs: FilterInputs) -> Quat:
-        """Measured minus predicted, eq. (17); NaN for a row without a usable reading."""
+    def _residual(self, q: Quat, sample: ImuSample, inputs: FilterInputs) -> Quat:
+        """Measured minus predicted, eq. (17); NaN for a measurement without a usable reading."""
         heading = heading_innovation(q, sample.mag, inputs.heading)
         length = norm(sample.accel)
         in_gate = abs(length / G_MPS2 - 1.0) <= self.max_accel_error_g
-        if sample.saturated or not in_gate or not 0.0 < length < MAX_ACCEL:
+        if sample.saturated or not in_gate or not is_force(sample.accel) or length == 0.0:
             return (nan, nan, nan, heading)
         x, y, z = accel_innovation(q, sample.accel)
         return (x, y, z, heading)
 
-    def weigh_measurements(self, z: Quat, state_variances: Quat, rejected_s: Quat, dt_s: float) -> tuple[Quat, Quat]:
-        """The inflation of every row, eq. (16), and for how long each has been rejected.
+    def _innovation_variance(self, state_variances: Quat) -> Quat:
+        """Variances of the residuals, the state's and the measurement's before any inflation."""
+        x, y, z, heading = state_variances
+        return (x + self.r_accel, y + self.r_accel, z + self.r_accel, heading + self.r_heading)
 
-        spread: diagonal of H P H^T.
+    def weigh_measurements(self, z: Quat, state_variances: Quat, rejected_s: Quat, dt_s: float) -> tuple[Quat, Quat]:
+        """The inflation of every measurement, eq. (16), and for how long each has been rejected, s.
+
+        state_variances: diagonal of H P H^T.
         """
         x, wait_x = self._weigh_measurement(z[0], state_variances[0] + self.r_accel, rejected_s[0], dt_s)
         y, wait_y = self._weigh_measurement(z[1], state_variances[1] + self.r_accel, rejected_s[1], dt_s)
@@ -152,10 +165,11 @@ class RobustAdaptive(AttitudeFilter):
         return ((x, y, down, heading), (wait_x, wait_y, wait_down, wait_heading))
 
     def _weigh_measurement(self, z: float, variance: float, rejected_s: float, dt_s: float) -> tuple[float, float]:
-        """The inflation of one row whose innovation z should have ``variance``, and for how long it is rejected now.
+        """The inflation of a measurement whose innovation z should have ``variance``, and for how long it is rejected.
 
-        A row that is rejected for ``reacquire_s`` is right and the state is wrong: it is then believed as it is until
-        it agrees again. Letting it in by degrees would reset the wait and stall.
+        If a measurement is rejected continuously for ``reacquire_s``, the filter assumes that its own state is wrong
+        and accepts the measurement with nominal variance until it agrees. Accepting it by degrees would reset the time
+        and stall.
         """
         if isnan(z) or not variance > 0.0:
             return (inf, rejected_s)
@@ -173,19 +187,19 @@ class RobustAdaptive(AttitudeFilter):
     def weigh_prediction(
         self, z: Quat, state_variances: Quat, inflation: Quat, mean_nis: float, dt_s: float
     ) -> tuple[float, float]:
-        """The running disagreement of the unflagged rows, and the adaptive factor alpha."""
+        """The mean normalised innovation squared of the measurements that are not inflated, and the factor alpha."""
         if not self.adaptive:
             return (mean_nis, 1.0)
         if self.printed:
             return (mean_nis, self._printed_alpha(z, state_variances, inflation))
         r = self.r_accel
         total = (
-            _nominal_nis(z[0], state_variances[0] + r, inflation[0])
-            + _nominal_nis(z[1], state_variances[1] + r, inflation[1])
-            + _nominal_nis(z[2], state_variances[2] + r, inflation[2])
-            + _nominal_nis(z[3], state_variances[3] + self.r_heading, inflation[3])
+            nominal_nis(z[0], state_variances[0] + r, inflation[0])
+            + nominal_nis(z[1], state_variances[1] + r, inflation[1])
+            + nominal_nis(z[2], state_variances[2] + r, inflation[2])
+            + nominal_nis(z[3], state_variances[3] + self.r_heading, inflation[3])
         )
-        count = _nominal(inflation[0]) + _nominal(inflation[1]) + _nominal(inflation[2]) + _nominal(inflation[3])
+        count = nominal(inflation[0]) + nominal(inflation[1]) + nominal(inflation[2]) + nominal(inflation[3])
         if count == 0.0:
             return (mean_nis, 1.0)
         gain = min(1.0, min(dt_s, MAX_CORRECTION_DT_S) / self.average_s)
@@ -195,54 +209,31 @@ class RobustAdaptive(AttitudeFilter):
         return (mean_nis, max(self.min_alpha, self.max_disagreement / mean_nis))
 
     def _printed_alpha(self, z: Quat, state_variances: Quat, inflation: Quat) -> float:
-        """(28): the trace of what the innovation's covariance should be over that of what one sample shows."""
+        """(28): the trace of the expected innovation covariance over that of one sample's."""
         r = self.r_accel
         expected = (
-            _present(z[0], state_variances[0] + inflation[0] * r)
-            + _present(z[1], state_variances[1] + inflation[1] * r)
-            + _present(z[2], state_variances[2] + inflation[2] * r)
-            + _present(z[3], state_variances[3] + inflation[3] * self.r_heading)
+            present(z[0], state_variances[0] + inflation[0] * r)
+            + present(z[1], state_variances[1] + inflation[1] * r)
+            + present(z[2], state_variances[2] + inflation[2] * r)
+            + present(z[3], state_variances[3] + inflation[3] * self.r_heading)
         )
         seen = (
-            _present(z[0], z[0] * z[0])
-            + _present(z[1], z[1] * z[1])
-            + _present(z[2], z[2] * z[2])
-            + _present(z[3], z[3] * z[3])
+            present(z[0], z[0] * z[0])
+            + present(z[1], z[1] * z[1])
+            + present(z[2], z[2] * z[2])
+            + present(z[3], z[3] * z[3])
         )
         return expected / seen if seen > expected else 1.0
 
     def correction(self, p: Mat4, jacobian: Mat4, z: Quat, inflation: Quat) -> tuple[Quat, Mat4]:
-        """The correction of the quaternion, and the covariance after the rows in use, taken one after the other.
+        """The correction of the quaternion, and the covariance after the measurements in use, one after the other.
 
-        With independent noises this equals (14) with all rows at once.
+        With independent noises this equals (14) with all measurements at once.
         """
         r = self.r_accel
         dq: Quat = (0.0, 0.0, 0.0, 0.0)
-        dq, p = _fuse(dq, p, jacobian[0], z[0], inflation[0] * r)
-        dq, p = _fuse(dq, p, jacobian[1], z[1], inflation[1] * r)
-        dq, p = _fuse(dq, p, jacobian[2], z[2], inflation[2] * r)
-        dq, p = _fuse(dq, p, jacobian[3], z[3], inflation[3] * self.r_heading)
+        dq, p = fused(dq, p, jacobian[0], z[0], inflation[0] * r)
+        dq, p = fused(dq, p, jacobian[1], z[1], inflation[1] * r)
+        dq, p = fused(dq, p, jacobian[2], z[2], inflation[2] * r)
+        dq, p = fused(dq, p, jacobian[3], z[3], inflation[3] * self.r_heading)
         return (dq, symmetric4(p))
-
-
-def _fuse(dq: Quat, p: Mat4, h: Quat, z: float, r: float) -> tuple[Quat, Mat4]:
-    """Correction and covariance after one more row; z is its innovation before any correction."""
-    if isinf(r):
-        return (dq, p)
-    gain, p = correction4(p, h, r)
-    return (add4(dq, scale4(gain, z - q_dot(h, dq))), p)
-
-
-def _nominal_nis(z: float, variance: float, inflation: float) -> float:
-    """Squared standardised innovation of a row that is not flagged, 0 for the others."""
-    return z * z / variance if inflation == 1.0 else 0.0
-
-
-def _nominal(inflation: float) -> float:
-    """1 for a row that is not flagged, else 0."""
-    return 1.0 if inflation == 1.0 else 0.0
-
-
-def _present(z: float, value: float) -> float:
-    """value where the row has a reading, else 0."""
-    return 0.0 if isnan(z) else value

@@ -1,21 +1,16 @@
-"""Prediction and measurement rows of a Kalman filter whose state is the attitude quaternion (paper 2, reading B).
+"""Prediction and measurements of a Kalman filter whose state is the attitude quaternion (paper 2, reading B).
 
-A measurement has four rows: the three components of the unit specific force in the body, and the heading.
+A sample has four measurements: the three components of the unit specific force in the body, and the heading.
 """
 
-from math import atan2, nan, sqrt
+from math import atan2, isinf, isnan, nan, sqrt
 from typing import Final
 
-from attest_mav.algebra import add, down_in_body, norm, q_mul, rotate, scale, wrap_pi
-from attest_mav.matrices4 import Mat4, add_diagonal4, quadratic4, rank_one4, scale4, transpose4
+from attest_mav.algebra import add, down_in_body, norm, q_dot, q_mul, rotate, scale, wrap_pi
+from attest_mav.matrices4 import Mat4, add4, add_diagonal4, correction4, quadratic4, rank_one4, scale4, transpose4
+from attest_mav.plausible import MIN_HORIZONTAL_FIELD, is_field, is_heading
 from attest_mav.types import Quat, Vec3
 
-MIN_HORIZONTAL_FIELD: Final = 0.1
-"""Share of the field that must lie in the horizontal plane of the estimate, else it shows no heading."""
-MAX_FIELD: Final = 1e9
-"""A magnetometer reading of this length or more is not a field (NaN and infinity fail the same test)."""
-MAX_HEADING: Final = 1e4
-"""rad: a supplied heading beyond is not one (NaN and infinity fail the same test)."""
 MIN_NOSE: Final = 1e-9
 """Square of the horizontal part of the nose below which Euler's heading has no derivative."""
 
@@ -35,7 +30,7 @@ def predicted_covariance(p: Mat4, turn: Quat, q: Quat, noise: float, q_step: flo
 def measurement_jacobian(q: Quat, vertical: bool) -> Mat4:
     """H, the derivatives of unit specific force and heading by the quaternion.
 
-    ``vertical``: the heading row turns about the vertical only, so that a bad heading cannot tilt the attitude;
+    ``vertical``: the heading measurement turns about the vertical only, so that a bad heading cannot tilt the attitude;
     otherwise it is the derivative of Euler's heading, zero where the nose points straight up or down.
     """
     w, x, y, z = q
@@ -70,7 +65,7 @@ def heading_innovation(q: Quat, mag: Vec3 | None, heading: float | None) -> floa
     A supplied ``heading`` (rad) goes before the magnetometer. The field is levelled by the estimate: what
     is left of it east of the estimate's north is the error, without a detour through Euler angles.
     """
-    if heading is not None and abs(heading) < MAX_HEADING:
+    if heading is not None and is_heading(heading):
         w, x, y, z = q
         return wrap_pi(heading - atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z))
     if mag is None:
@@ -78,7 +73,7 @@ def heading_innovation(q: Quat, mag: Vec3 | None, heading: float | None) -> floa
     field = rotate(q, mag)
     length = norm(mag)
     horizontal_sq = field[0] * field[0] + field[1] * field[1]
-    if length < MAX_FIELD and sqrt(horizontal_sq) > MIN_HORIZONTAL_FIELD * length:
+    if is_field(mag) and sqrt(horizontal_sq) > MIN_HORIZONTAL_FIELD * length:
         return -atan2(field[1], field[0])
     return nan
 
@@ -100,3 +95,26 @@ def attitude_variances(q: Quat, p: Mat4) -> tuple[float, float]:
     east = quadratic4(p, (-2.0 * y, 2.0 * z, 2.0 * w, -2.0 * x))
     vertical = quadratic4(p, (-2.0 * z, -2.0 * y, 2.0 * x, 2.0 * w))
     return (north + east, vertical)
+
+
+def fused(dq: Quat, p: Mat4, h: Quat, z: float, r: float) -> tuple[Quat, Mat4]:
+    """Correction and covariance after one more measurement; z is its innovation before any correction."""
+    if isinf(r):
+        return (dq, p)
+    gain, p = correction4(p, h, r)
+    return (add4(dq, scale4(gain, z - q_dot(h, dq))), p)
+
+
+def nominal_nis(z: float, variance: float, inflation: float) -> float:
+    """Normalised innovation squared of a measurement that is not inflated, 0 for the others."""
+    return z * z / variance if inflation == 1.0 else 0.0
+
+
+def nominal(inflation: float) -> float:
+    """1 for a measurement that is not inflated, else 0."""
+    return 1.0 if inflation == 1.0 else 0.0
+
+
+def present(z: float, value: float) -> float:
+    """value where the measurement has a reading, else 0."""
+    return 0.0 if isnan(z) else value

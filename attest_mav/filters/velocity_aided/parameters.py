@@ -1,4 +1,9 @@
-"""The parameters of the flight filter: one set for every vehicle and rate."""
+"""The parameters of the flight filter: one set for every vehicle and rate.
+
+Noises are standard deviations; "per root second" is the square root of a spectral density. docs/measurements.md has
+the effect of each part. (Sensor noise models: Groves, Principles of GNSS, Inertial, and Multisensor Integrated
+Navigation Systems, 2nd ed., sections 4.4 and 14.2.6.)
+"""
 
 from dataclasses import dataclass
 from math import radians
@@ -8,102 +13,112 @@ from attest_mav.types import G_MPS2
 
 @dataclass(frozen=True)
 class FlightParameters:
-    """Noises are standard deviations; "per root second" is the square root of a spectral density.
-
-    Of the vehicle:
-
-    low_pass_hz: corner of the autopilot's second-order low-pass on gyro and accelerometer (INS_GYRO_FILTER); 0 for
-    none. Its group delay is added to the output; wrong by 10 Hz it costs some milliseconds of the turn rate.
-    low_pass_delay_sigma: of that delay, s, while the corner is only assumed; 0 once it is known.
-    fix_delay_s, fix_delay_sigma: age of the velocity in GPS_RAW_INT at the time it names (GPS_DELAY_MS); it is
-    estimated from there. own_delay_s, own_delay_sigma: the same for velocities of the autopilot's own filter.
-    mag_delay_s, mag_delay_sigma: lag of the magnetometer, estimated from there. RAW_IMU repeats a 10 Hz mean.
-    declination_sigma: of the declination at the place, and of how the compass is mounted, rad.
-    hard_iron: what calibration leaves of the magnetometer's bias, per axis, gauss; hard_iron_walk: its drift.
-    gyro_bias_sigma: at the start, rad/s. gyro_scale_sigma: of the gyro's scale, a share.
-    accel_bias_sigma: m/s^2; 0 leaves the accelerometer's bias out.
-    speed_noise: of the airspeed along the nose, and of zero sideways and downwards, where a wing flies, m/s per
-    root Hz.
-
-    Of the process:
-
-    gyro_noise: rad per root s, and gyro_rate_noise: as much for each rad/s of rate. accel_noise: m/s per root s.
-    gyro_bias_walk: rad/s per root s. Too small and the filter cannot follow the warming gyro; too large and the heading
-    wanders with every disturbance of the field. accel_bias_walk: m/s^2 per root s. gyro_aliasing, accel_aliasing: share
-    of the bend of the readings (their second difference) that may have been missed between two samples; the largest is
-    remembered for aliasing_hold_s. They make sigma tell the truth at 4 Hz; too small and a fast manoeuvre between
-    samples goes unnoticed.
-
-    Of the measurements:
-
-    velocity_sigma: m/s, at the start; from then on it follows the innovations (twice their rms) between
-    velocity_floor and velocity_ceiling. fix_jitter_s: of the time of a fix. fix_spacing_s: faster fixes are skipped,
-    for their errors are the same. velocity_gate: sigmas beyond which the variance is inflated until the residual
-    lies on the gate.
-    mag_sigma, mag_floor, mag_ceiling: the same three for the magnetometer, as a share of the field. mag_jitter_s: of
-    the time of a reading. mag_spacing_s: readings that come faster are skipped. mag_knee: sigmas from which its
-    variance grows with the residual (paper 2, eq. (16)). mag_gate: sigmas from which a
-    reading tells of a disturbance as large as itself.
-    disturbance_free: deviation of the field's strength or dip, as a share, that is no disturbance.
-    disturbance_weight: how much of a visible disturbance is believed to lie across the heading; it is remembered
-    for disturbance_hold_s.
-    rest_floor: what rest tells of the gyro's bias at best, rad/s: an int16 of 1 mrad/s hides less.
-    gravity_noise: of the horizontal acceleration of a vehicle whose velocity is not known, m/s^2 per root Hz.
-    place_noise: of zero velocity where the motion stays in place, m/s per root Hz.
-    coast_s: how long a lost velocity is carried on before anything is put in its place.
-    restart_nis: mean normalised innovation squared of the velocity above which the attitude is given up.
-
-    Of the start: align_tilt, align_heading: rad, the filter starts when it knows them this well.
-    align_patience_s: after this long it starts with what it has. valid_tilt: rad, 1-sigma below which the attitude
-    is called valid. gravity: m/s^2.
-    """
+    """Properties of the vehicle, process noise, measurement noise and gates, and the start, in this order."""
 
     low_pass_hz: float = 20.0
+    """Hz. Corner of the autopilot's second-order low-pass on gyro and accelerometer (INS_GYRO_FILTER); 0 for none. Its
+    group delay is taken off the output: an error of 10 Hz shifts the output by a few ms times the rate."""
     low_pass_delay_sigma: float = 0.008
+    """s. 1-sigma of that group delay while the corner is only assumed; 0 once it is known. Times the rate, it is part
+    of the output's sigma."""
     fix_delay_s: float = 0.10
+    """s. Age of a receiver's velocity at the time that its message names (GPS_DELAY_MS); the estimate starts there."""
     fix_delay_sigma: float = 0.04
+    """s. 1-sigma of that delay at the start; smaller trusts the setting, larger learns it in the first manoeuvres."""
     own_delay_s: float = 0.01
+    """s. The same age for velocities of the autopilot's own estimator, which extrapolates to the present."""
     own_delay_sigma: float = 0.01
+    """s. 1-sigma of that delay."""
     mag_delay_s: float = 0.06
+    """s. Delay of the magnetometer against the inertial reading beside it; RAW_IMU repeats a 10 Hz mean."""
     mag_delay_sigma: float = 0.05
+    """s. 1-sigma of that delay at the start."""
     declination_sigma: float = radians(1.0)
+    """rad. 1-sigma of the declination at the place together with the mounting of the compass."""
     hard_iron: float = 0.010
+    """gauss. 1-sigma of the magnetometer's bias that calibration leaves, per axis; 0 leaves it out of the state."""
     hard_iron_walk: float = 1e-4
+    """gauss per root s. Drift of that bias."""
     gyro_bias_sigma: float = radians(0.3)
+    """rad/s. 1-sigma of the gyro's bias at the start, per axis."""
     gyro_scale_sigma: float = 0.004
+    """1. 1-sigma of the gyro's scale error, per axis; 0 leaves it out of the state."""
     accel_bias_sigma: float = 0.09
+    """m/s^2. 1-sigma of the accelerometer's bias at the start, per axis; 0 leaves it out of the state."""
     speed_noise: float = 4.0
+    """m/s per root Hz. Noise of airspeed along the nose, and of zero sideways and downwards, of a vehicle that goes
+    where it points; smaller takes slip and gusts for tilt."""
+
     gyro_noise: float = 1e-4
+    """rad per root s. White noise of the gyro."""
     gyro_rate_noise: float = 2e-3
+    """rad per root s for each rad/s. Noise that grows with the rate: misalignment, timing."""
     accel_noise: float = 0.02
+    """m/s per root s. White noise of the accelerometer."""
     gyro_bias_walk: float = 2e-4
+    """rad/s per root s. Drift of the gyro's bias. Too small and the estimate cannot follow a warming gyro; too large
+    and the heading wanders with every disturbance of the field."""
     accel_bias_walk: float = 1e-4
+    """m/s^2 per root s. Drift of the accelerometer's bias."""
     gyro_aliasing: float = 0.22
+    """1. Share of the gyro's second difference that may have been missed between two samples. It keeps sigma true at
+    4 Hz; too small and a fast manoeuvre between samples goes unnoticed."""
     accel_aliasing: float = 0.1
+    """1. The same for the accelerometer."""
     aliasing_hold_s: float = 2.0
+    """s. Time constant with which the largest second difference decays."""
+
     velocity_sigma: float = 0.25
+    """m/s. Noise of a fix at the start; from then on it is twice the rms of the innovations. Also the largest noise
+    that the consistency test allows for."""
     velocity_floor: float = 0.05
+    """m/s. Least noise of a fix: errors that last do not show in innovations."""
     velocity_ceiling: float = 0.5
+    """m/s. Largest noise of a fix, short of the inflation to the gate."""
     fix_jitter_s: float = 0.03
+    """s. Jitter of a fix's time; as noise it is multiplied by the acceleration."""
     fix_spacing_s: float = 0.19
+    """s. Fixes that come faster are skipped, for their errors are the same."""
     velocity_gate: float = 6.0
+    """sigmas. A fix beyond has its variance inflated until it lies on the gate."""
     mag_sigma: float = 0.02
+    """Share of the field. Noise of a magnetometer reading at the start; then twice the rms of the innovations."""
     mag_floor: float = 0.005
+    """Share of the field. Least noise of a reading."""
     mag_ceiling: float = 0.05
+    """Share of the field. Largest noise of a reading that agrees."""
     mag_spacing_s: float = 0.05
+    """s. Readings that come faster are skipped."""
     mag_knee: float = 1.5
+    """sigmas. From here on a reading's variance grows with its residual (paper 2, eq. (16))."""
     mag_jitter_s: float = 0.04
+    """s. Jitter of a reading's time; as noise it is multiplied by the rate."""
     mag_gate: float = 4.0
+    """sigmas. A reading beyond tells of a disturbance as large as its residual."""
     disturbance_free: float = 0.02
+    """Share of the field. Deviation of its strength or inclination that is no disturbance."""
     disturbance_weight: float = 3.0
+    """1. Noise of the heading for a disturbance seen in strength and inclination; larger relies on the gyro sooner."""
     disturbance_hold_s: float = 30.0
+    """s. Time constant with which a disturbance decays once it is not seen any more."""
     rest_floor: float = 6e-4
+    """rad/s. Least sigma of the gyro's bias at rest: an int16 of 1 mrad/s hides less."""
     gravity_noise: float = 3.0
+    """m/s^2 per root Hz. Horizontal acceleration of a vehicle whose velocity is not known; smaller leans in turns."""
     place_noise: float = 0.35
+    """m/s per root Hz. Noise of zero velocity where the mean velocity is zero."""
     coast_s: float = 30.0
+    """s. Time for which a lost velocity is carried on before gravity takes its place."""
     restart_nis: float = 12.0
+    """1. Mean normalised innovation squared of the velocity above which the attitude is reset."""
+
     align_tilt: float = radians(5.0)
+    """rad. 1-sigma of the tilt with which an alignment ends."""
     align_heading: float = radians(20.0)
+    """rad. 1-sigma of the heading with which an alignment ends."""
     align_patience_s: float = 5.0
+    """s. After this time an alignment ends with the attitude that it has."""
     valid_tilt: float = radians(1.0)
+    """rad. 1-sigma of the tilt below which the attitude is called valid."""
     gravity: float = G_MPS2
+    """m/s^2. Local gravity."""

@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from attest_mav.algebra import down_in_body, heading_between, q_from_euler, tilt_between
 from attest_mav.evaluation.papers.paper1_equations import identity_gap, jacobian_gap, misfit
 from attest_mav.filters.base import FilterInputs, Start
-from attest_mav.filters.gradient_descent.filter import FixedField, GradientDescent, GradientDescentState
+from attest_mav.filters.gradient_descent.filter import FixedField, GradientDescent
 from attest_mav.filters.gradient_descent.gradients import field_misfit, full_gradient, gravity_gradient
+from attest_mav.filters.gradient_descent.state import GradientDescentState
 from attest_mav.types import G_MPS2, ImuSample, North
 
 Q = q_from_euler(0.1, -0.2, 0.3)
@@ -208,7 +209,9 @@ def test_a_run_split_anywhere_and_restored_from_plain_numbers_is_the_same_to_the
         if k == split:
             saved = repr((state.q_nb, state.gyro_bias, state.gravity_residual, state.field_residual))
             q_nb, bias, gravity_residual, field_residual = parsed(saved)
-            state = GradientDescentState(q_nb, bias, state.accel_used, state.mag_used, gravity_residual, field_residual)
+            state = GradientDescentState(
+                q_nb, bias, state.accel_used, state.mag_used, gravity_residual, field_residual, None
+            )
         state = filter_.step(state, 0.01, sample, NO_INPUTS)
         whole.append(state.q_nb)
     state = started(filter_)

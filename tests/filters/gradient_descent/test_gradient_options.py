@@ -23,11 +23,12 @@ from attest_mav.algebra import (
     tilt_between,
 )
 from attest_mav.filters.base import FilterInputs, Start
-from attest_mav.filters.gradient_descent.field_gate import FieldMonitor
-from attest_mav.filters.gradient_descent.filter import GradientDescent, GradientDescentState, OptionState
+from attest_mav.filters.field_monitor import FieldMonitor
+from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.gradient_descent.inertial_force import InertialForce, advanced, initial_force
 from attest_mav.filters.gradient_descent.options import OptionMemory
-from attest_mav.filters.gradient_descent.rest_bias import StationaryBias, detect_bias, initial_bias
+from attest_mav.filters.gradient_descent.state import GradientDescentState, OptionState
+from attest_mav.filters.gradient_descent.stationary_bias import StationaryBias, detect_bias, initial_bias
 from attest_mav.low_pass import Smoothed, smoothed, steady
 from attest_mav.types import G_MPS2, ImuSample, North
 
@@ -356,7 +357,7 @@ def test_an_unusable_accelerometer_is_said_to_be_unused():
 
 def numbers(state):
     """A state as plain numbers."""
-    rest, inertial, gate = state.memory.rest, state.memory.inertial, state.memory.gate
+    rest, inertial, gate = state.memory.stationary, state.memory.inertial, state.memory.field
     smoothings = (rest.gyro, rest.accel, inertial.force)
     flat = [*state.q_nb, *rest.bias, rest.quiet_s, rest.averaged_s, *inertial.q_inertial_body]
     flat += [x for s in smoothings for x in (*s.value, *s.slope)]
@@ -372,8 +373,8 @@ def restored(flat):
         InertialForce(tuple(axes), low[2]),
         FieldMonitor(*flat[31:], True),
     )
-    plain = GradientDescentState(tuple(q), tuple(bias), False, False, ZERO, ZERO)
-    return OptionState(plain, tuple(q), False, learned)
+    plain = GradientDescentState(tuple(q), tuple(bias), False, False, ZERO, ZERO, None)
+    return OptionState(plain, tuple(q), False, learned, None, field_rejected=False)
 
 
 def test_a_split_run_restored_from_numbers_is_the_whole_run_at_any_interval():

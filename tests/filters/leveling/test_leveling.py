@@ -121,8 +121,8 @@ def test_sideways_motion_is_used_when_it_is_known_and_left_alone_when_not():
     unknown = run(Leveling(), steps(lambda _: nan))
     assert tilt_between(known.q_nb, ONE) < radians(0.05)
     assert tilt_between(assumed.q_nb, ONE) > radians(3.0)
-    assert isnan(unknown.velocity_innovation[1])
-    assert unknown.velocity_innovation[2] == pytest.approx(0.0)
+    assert isnan(unknown.velocity_fusion.residual[1])
+    assert unknown.velocity_fusion.residual[2] == pytest.approx(0.0)
     assert unknown.level.velocity[1] == pytest.approx(6.0, rel=0.05)
 
 
@@ -165,7 +165,7 @@ def test_without_any_speed_it_levels_by_the_mean_specific_force():
 def test_rows_with_an_infinite_variance_are_left_out():
     state = run(Leveling(r_unaided=inf, r_sideslip=inf), [(reading(), NO_INPUTS), (reading(), moving(5.0))] * 20)
     assert q_norm(state.q_nb) == pytest.approx(1.0)
-    assert isnan(state.velocity_innovation[1])
+    assert isnan(state.velocity_fusion.residual[1])
     assert state.level.velocity[0] == pytest.approx(5.0, abs=0.1)
 
 
@@ -186,7 +186,7 @@ def test_a_vehicle_whose_speed_is_lost_is_taken_to_keep_it():
 def test_only_a_fresh_speed_is_a_reading():
     state = run(Leveling(), [(reading(), moving(5.0))] * 10)
     stale = Leveling().step(state, 0.02, reading(), FilterInputs(BodyVelocity(50.0, is_new=False)))
-    assert all(isnan(innovation) for innovation in stale.velocity_innovation)
+    assert stale.velocity_fusion is None
     assert stale.level.velocity[0] == pytest.approx(5.0, abs=0.1)
 
 
@@ -201,7 +201,7 @@ def test_constraint_rows_come_at_their_spacing():
     state, used = started(Leveling()), []
     for _ in range(20):
         state = Leveling().step(state, 0.01, reading(), STANDING)
-        used.append(not isnan(state.length_innovation))
+        used.append(state.length_fusion is not None)
     assert used == [k % 5 == 0 for k in range(20)]
 
 

@@ -168,7 +168,7 @@ def test_one_whole_step_is_the_kalman_filter_written_with_matrices():
     h, r = np.array(measurement_jacobian(q, vertical=True)), np.diag([1e-3, 1e-3, 1e-3, 2.7e-3])
     v = np.array([*accel_innovation(q, sample.accel), heading_innovation(q, sample.mag, nan)])
     gain = p @ h.T @ np.linalg.inv(h @ p @ h.T + r)
-    assert after.innovation == pytest.approx(v, abs=1e-14)
+    assert after.residual == pytest.approx(v, abs=1e-14)
     assert after.q_nb == pytest.approx(q_unit(tuple((np.array(q) + gain @ v).tolist())), abs=1e-12)
     left = np.eye(4) - gain @ h
     assert np.abs(np.array(after.covariance) - (left @ p @ left.T + gain @ r @ gain.T)).max() < 1e-14
@@ -198,7 +198,7 @@ def test_a_heading_outlier_is_rejected_and_moves_nothing():
     off = RobustAdaptive().step(state, 0.01, reading(), FilterInputs(heading=radians(40.0)))
     assert isinf(off.inflation[3])
     assert not off.mag_used
-    assert off.innovation[3] == pytest.approx(radians(40.0), abs=1e-6)
+    assert off.residual[3] == pytest.approx(radians(40.0), abs=1e-6)
     assert abs(heading_between(off.q_nb, state.q_nb)) < 1e-9
 
 
@@ -258,7 +258,7 @@ def test_without_a_field_the_heading_is_kept_and_its_sigma_grows():
     state = run(RobustAdaptive(), [reading(mag=None)] * 1000, q_heading(1.0))
     assert heading_between(state.q_nb, ONE) == pytest.approx(1.0)
     assert not state.mag_used
-    assert isnan(state.innovation[3])
+    assert isnan(state.residual[3])
     longer = run(RobustAdaptive(), [reading(mag=None)] * 2000, q_heading(1.0))
     assert longer.heading_sigma > state.heading_sigma
     assert longer.tilt_sigma == pytest.approx(state.tilt_sigma, rel=0.05)
@@ -389,4 +389,4 @@ def test_the_sigmas_are_honest_on_noise_that_fits():
 
 def test_headings_across_south_are_wrapped():
     south = run(PLAIN, [reading(mag=None)] * 50, q_heading(pi - 0.01), inputs=FilterInputs(heading=-pi + 0.01))
-    assert abs(south.innovation[3]) < 0.02
+    assert abs(south.residual[3]) < 0.02
