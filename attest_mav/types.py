@@ -88,6 +88,8 @@ class Setting(IntEnum):
     """Declination that the autopilot uses, rad, east positive."""
     AUTO_DECLINATION = 14
     """Other than 0 where the autopilot looks its declination up."""
+    LOW_PASS_DELAY_SIGMA_S = 15
+    """Uncertainty of the low-pass's delay where its corner is only assumed, s; 0 once the autopilot has told it."""
 
 
 _OTHERS_UNKNOWN: Final = (nan,) * (len(Setting) - 2)
@@ -120,6 +122,8 @@ class VehicleSettings:
         """The settings with one of them replaced; NaN takes back an earlier value."""
         values = list(self._values)
         values[setting] = value
+        if setting == Setting.LOW_PASS_HZ:
+            values[Setting.LOW_PASS_DELAY_SIGMA_S] = nan
         return VehicleSettings(values[0], values[1], tuple(values[2:]))
 
     def __eq__(self, other: object) -> bool:

@@ -7,10 +7,11 @@ given the first stream that arrives; it alone is published and compared with the
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from math import radians
 from typing import Final
 
 from attest_mav.estimation.attitude_check import STALE_INTERVALS, AttitudeCheck
-from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind, Verdict
+from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.imu_frame import ImuFrame
 from attest_mav.estimation.lane import Lane
 from attest_mav.estimation.vehicle import AidSettings, Vehicle
@@ -23,10 +24,14 @@ from attest_mav.types import (
     ImuSample,
     ParameterSample,
     Sample,
+    Setting,
     VehicleSettings,
 )
 
 _NS: Final = 1_000_000_000
+
+MOVED_TRIM: Final = radians(1.0)
+"""A trim that changes in flight by more is no fine adjustment."""
 
 
 @dataclass(frozen=True)
@@ -91,10 +96,25 @@ class Pipeline:
         if isinstance(sample, AttitudeSample):
             in_imu_frame = self.imu_frame.attitude(sample)
             return [] if in_imu_frame is None else [*self._check.take(in_imu_frame)]
+        before = self.vehicle.settings
         self.vehicle.take(sample)
         if isinstance(sample, ParameterSample):
+            self._watch_trim(sample, before)
             self.set_vehicle_settings(self.vehicle.settings)
+        elif self.vehicle.armed is False:
+            self._check.judge.trim_moved = False
         return []
+
+    def _watch_trim(self, sample: ParameterSample, before: VehicleSettings) -> None:
+        """Notice a trim that is changed in flight by more than a calibration's remainder.
+
+        One that was not told before counts as none while the attitudes agree without it.
+        """
+        if sample.setting not in (Setting.TRIM_X, Setting.TRIM_Y) or not self.vehicle.armed:
+            return
+        agrees = self.verdict is not None and self.verdict.agreement == Agreement.AGREE
+        if agrees and abs(sample.value - before.get_or(sample.setting, 0.0)) > MOVED_TRIM:
+            self._check.judge.trim_moved = True
 
     def poll(self, now_ns: int) -> list[Event]:
         """What follows from nothing having come until ``now_ns`` (host clock)."""

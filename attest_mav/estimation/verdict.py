@@ -36,7 +36,8 @@ REASONS: Final = (
     "no-reference",
 )
 """The codes of ``Verdict.reason``. settling: a difference has not lasted long enough to count, or an offset is being
-measured. disputed: our own attitudes differ on it. offset: a steady one, as a trim that is not known makes it."""
+measured. disputed: our own attitudes differ on it. offset: a steady one, as a trim that is not known makes it, or a
+trim that was changed in flight: the attitudes agree but for it, and nothing tells which trim is right."""
 
 TILT_SIGMAS: Final = 2.0
 HEADING_SIGMAS: Final = 3.0
@@ -97,6 +98,8 @@ class Judge:
 
     def __init__(self, settings: VerdictSettings) -> None:
         self._settings: Final = settings
+        self.trim_moved = False
+        """Whether the trim was changed in flight: the autopilot then levels by another attitude than at take-off."""
         self._pairing: Final = Pairing()
         self._members: tuple[Member, ...] = ()
         self._sources: dict[str, Reference] = {}
@@ -176,7 +179,7 @@ class Judge:
             reason = "heading-uncertain" if first.reason == "heading" else _doubt(estimate, "low-confidence")
         elif estimate.tilt_sigma > self._settings.agree_sigma or _blind(estimate):
             reason = _doubt(estimate, "low-confidence")
-        elif not sample.frame_known and source.offset.angles is not None:
+        elif self.trim_moved or (not sample.frame_known and source.offset.angles is not None):
             reason = "offset"
         if reason:
             return _verdict(Agreement.UNDECIDED, reason, first, source, sample)

@@ -177,7 +177,8 @@ class Service:
         self._decoder = Decoder(self._dialect, self._settings.raw_scales)
         before = self._vehicle
         self._vehicle = Vehicle(self._settings.pipeline.aids)
-        self._vehicle.settings = facts_of_firmware(self._sender[2])
+        heard = self._companion.discovery.vehicle
+        self._vehicle.settings = facts_of_firmware(self._sender[2], -1 if heard is None else heard.vehicle_type)
         self._vehicle.field = before.field  # the place is the same until a position says otherwise
         self._pipeline = None
         self._verdicts = VerdictHistory()

@@ -9,7 +9,7 @@ from attest_mav.estimation.events import Agreement, LaneEvent, LaneEventKind, Ve
 from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.velocity_aided.filter import VelocityAided
-from attest_mav.types import G_MPS2, EarthField, Estimate, HeartbeatSample, ImuSample, North
+from attest_mav.types import G_MPS2, EarthField, Estimate, HeartbeatSample, ImuSample, North, ParameterSample, Setting
 
 DT = 0.02
 
@@ -352,3 +352,23 @@ def test_aligning_again_in_a_slow_turn_keeps_the_bias_learned_on_the_ground(pipe
     turning = [imu(5.0 + k * DT, yaw=0.02 * k * DT, rate=bias + 0.02) for k in range(200)]
     last = estimates(run(pipeline, turning))[-1]
     assert last.rates[2] == pytest.approx(0.02, abs=1e-9)
+
+
+def trim(t_s, degrees_):
+    return ParameterSample("PARAM_VALUE", 1, 1, round(t_s * 1e9), "AHRS_TRIM_X", Setting.TRIM_X, radians(degrees_))
+
+
+@pytest.mark.parametrize(("size", "expected"), [(5.0, Agreement.UNDECIDED), (0.3, Agreement.AGREE)])
+def test_a_trim_that_is_changed_in_flight_is_followed_but_not_vouched_for(pipeline, imu, attitude, size, expected):
+    """The attitudes agree but for the trim, and nothing tells which trim is right, until the vehicle has landed."""
+    level = (1.0, 0.0, 0.0, 0.0)
+    pipeline.handle(armed(0.0, is_armed=True))
+    run(pipeline, interleave(imu, attitude, 0.0, 5.0, lambda _: level))
+    assert pipeline.verdict.agreement == Agreement.AGREE
+    pipeline.handle(trim(5.0, size))
+    leaning = q_from_euler(radians(-size), 0.0, 0.0)
+    said = verdicts(run(pipeline, interleave(imu, attitude, 5.0, 10.0, lambda _: leaning)))
+    assert (said[-1].agreement, said[-1].tilt) == (expected, pytest.approx(0.0, abs=1e-6))
+    pipeline.handle(armed(10.0, is_armed=False))
+    said = verdicts(run(pipeline, interleave(imu, attitude, 10.0, 12.0, lambda _: leaning)))
+    assert said[-1].agreement == Agreement.AGREE

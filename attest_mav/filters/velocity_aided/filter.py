@@ -35,7 +35,7 @@ from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.reading import Reading, read
 from attest_mav.filters.velocity_aided.state import VelocityAidedState
 from attest_mav.plausible import is_rate
-from attest_mav.types import ImuSample, Quat, Vec3, VehicleSettings
+from attest_mav.types import ImuSample, Quat, Setting, Vec3, VehicleSettings
 
 LONGEST_GAP_S: Final = 1.0
 """Where samples are missing for longer the attitude is lost, and alignment begins again, s."""
@@ -105,7 +105,8 @@ class VelocityAided(AttitudeFilter):
         parameters = self.parameters
         low_pass = self.low_pass_from_vehicle and isfinite(known.low_pass_hz)
         if low_pass:
-            parameters = replace(parameters, low_pass_delay_sigma=0.0)
+            sigma_s = known.get_or(Setting.LOW_PASS_DELAY_SIGMA_S, 0.0)
+            parameters = replace(parameters, low_pass_delay_sigma=sigma_s)
         fix_delay = self.fix_delay_from_vehicle and isfinite(known.fix_delay_s)
         informed = replace(
             parameters,

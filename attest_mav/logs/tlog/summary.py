@@ -49,7 +49,10 @@ def _vehicle(
     system = vehicle[0]
     autopilot = survey.autopilots.get(system)
     parameters = _parameters(survey, vehicle, survey.parameters)
-    settings = facts_of_firmware(MAV_AUTOPILOT_INVALID if autopilot is None else autopilot)
+    heartbeat = survey.first_heartbeats.get(vehicle)
+    settings = facts_of_firmware(
+        MAV_AUTOPILOT_INVALID if autopilot is None else autopilot, -1 if heartbeat is None else heartbeat.vehicle_type
+    )
     for sample in parameters:
         settings = settings.updated(sample.setting, sample.value)
     return VehicleSummary(

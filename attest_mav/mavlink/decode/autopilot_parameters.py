@@ -14,10 +14,10 @@ from typing import Final
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_ARDUPILOTMEGA as ARDUPILOT
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_PX4 as PX4
 from attest_mav.mavlink.constants import MAV_PARAM_TYPE_INT32, UINT16_MAX
-from attest_mav.mavlink.decode.readers import Reader
+from attest_mav.mavlink.decode.readers import KINDS, Reader
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
-from attest_mav.types import ParameterSample, Sample, Setting, VehicleSettings
+from attest_mav.types import ParameterSample, Sample, Setting, VehicleKind, VehicleSettings
 
 DEGREE: Final = pi / 180.0
 WORD: Final = float(1 << 31)
@@ -93,9 +93,20 @@ QUANTITIES: Final = {
 """Settings with a unit: the quantity in words, and its unit."""
 
 
-def facts_of_firmware(autopilot: int) -> VehicleSettings:
-    """The settings that every vehicle with this MAV_AUTOPILOT has before it sends any."""
-    return VehicleSettings(low_pass_hz=0.0) if autopilot == PX4 else VehicleSettings()
+ROVER_LOW_PASS_HZ: Final = 4.0
+"""ArduPilot's default of INS_GYRO_FILTER on ground vehicles and boats, Hz; 20 on all others."""
+ROVER_DELAY_SIGMA_S: Final = 0.02
+"""Uncertainty of the delay of that default, s: 4 Hz are late by 56 ms, 20 Hz by 11 ms."""
+
+
+def facts_of_firmware(autopilot: int, vehicle_type: int) -> VehicleSettings:
+    """The settings that every vehicle with this MAV_AUTOPILOT and MAV_TYPE has before it sends any."""
+    if autopilot == PX4:
+        return VehicleSettings(low_pass_hz=0.0)
+    if autopilot == ARDUPILOT and KINDS.get(vehicle_type) == VehicleKind.SURFACE:
+        assumed = VehicleSettings(low_pass_hz=ROVER_LOW_PASS_HZ)
+        return assumed.updated(Setting.LOW_PASS_DELAY_SIGMA_S, ROVER_DELAY_SIGMA_S)
+    return VehicleSettings()
 
 
 def names_of(setting: Setting, autopilot: int, is_plane: bool = True) -> list[str]:
