@@ -247,5 +247,5 @@ class Leveling(AttitudeFilter):
         variance = (1.0 - gain) * (1.0 - gain) * variance + gain * gain * self.r_heading
         known = before.known or found
         return NorthVector(
-            turned_east(north, down, gain * error), variance, known, Fusion.USED, error, innovation_variance
+            turned_east(north, down, gain * error), variance, known, Fusion.USED, -error, innovation_variance
         )
