@@ -11,18 +11,18 @@ from typing import Final
 
 from attest_mav.algebra import add, cross, is_finite, norm, q_from_matrix, scale, sub, unit
 from attest_mav.filters.base import Start
+from attest_mav.plausible import MIN_HORIZONTAL_FIELD
 from attest_mav.types import G_MPS2, ImuSample, North, Quat, Vec3
 
 WINDOW_S: Final = 0.5
 """Length of the average."""
 PATIENCE_S: Final = 2.0
-"""Without rest, or without a magnetometer that has spoken before, alignment waits no longer than this."""
+"""Alignment ends after this time, s, even if the vehicle has not been still or no magnetometer reading has come."""
 MIN_ACCEL_G: Final = 0.5
 MAX_ACCEL_G: Final = 1.5
-MIN_HORIZONTAL_FIELD: Final = 0.1
-"""Sine of the angle between field and vertical: nearer to a magnetic pole there is no heading."""
 STILL_GYRO: Final = 0.05
-"""rad/s: each axis stays this close to its mean at rest."""
+"""rad/s: each axis stays this close to its mean at rest. Not ``filters.stationary``: judged by length, alignments would
+end at other times, and every published figure of three filters would change."""
 STILL_ACCEL: Final = 0.5
 """m/s^2: the same for the specific force."""
 STANDING_BIAS: Final = 0.1

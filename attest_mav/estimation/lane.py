@@ -9,19 +9,17 @@ from attest_mav.estimation.delay import DelayMeter
 from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind
 from attest_mav.estimation.filter_run import FilterRun, field_heading
 from attest_mav.estimation.lane_inputs import LaneInputs
-from attest_mav.estimation.sensors import FieldMonitor, FreezeDetector
+from attest_mav.estimation.sensors import FreezeDetector, StuckMagnetometer
 from attest_mav.estimation.timebase import StepKind, TimeBase, TimeStep
 from attest_mav.estimation.vehicle import Vehicle
 from attest_mav.filters.base import AttitudeFilter, FilterState, Start
+from attest_mav.plausible import is_force
 from attest_mav.types import ImuSample, North
 
 HEADING_MEMORY_S: Final = 10.0
 """Without a magnetometer for longer the heading is dead-reckoned, and no longer referred to north."""
 HEADING_CAPTURE: Final = 0.09
 """rad (5 deg): a heading counts as found again when it is this near to what the field says."""
-
-MAX_ACCEL: Final = 1e4
-"""m/s^2: no reading (NaN and infinity fail the same test)."""
 
 
 class Lane:
@@ -48,7 +46,7 @@ class Lane:
         self._aligner = Aligner()
         self._delay = DelayMeter()
         self._freeze = FreezeDetector()
-        self._field = FieldMonitor()
+        self._field = StuckMagnetometer()
         self._aligned = False
         self._is_frozen = False
         self._frozen_s = 0.0
@@ -169,7 +167,7 @@ class Lane:
 
     def _begin_by_itself(self, run: FilterRun, sample: ImuSample) -> None:
         """Start a filter that aligns itself from one reading."""
-        if run.filter.aligns_itself and 0.0 < norm(sample.accel) < MAX_ACCEL:
+        if run.filter.aligns_itself and is_force(sample.accel) and norm(sample.accel) > 0.0:
             q_nb, north = ecompass(sample.accel, sample.mag)
             run.begin(Start(q_nb, (0.0, 0.0, 0.0), north, sample.accel, sample.mag, False), stands=False)
 

@@ -5,14 +5,15 @@ from typing import Final
 from attest_mav.algebra import norm
 from attest_mav.estimation.vehicle import STANDING_SPEED, Vehicle
 from attest_mav.filters.base import BodyVelocity, FilterInputs
+from attest_mav.filters.stationary import StillnessLimits, is_unaccelerated
 from attest_mav.types import G_MPS2, ImuSample, North, Quat, Sample, VelocitySample
 
-STILL_GYRO: Final = 0.05
-"""rad/s."""
-STILL_ACCEL: Final = 0.3
-"""m/s^2: distance of the specific force's length from g."""
+LIMITS: Final = StillnessLimits(rate=0.05, accel=0.3)
+"""Quiet sensors show no more than this."""
+LEAVING_FACTOR: Final = 2.0
+"""The quiet time is over at the first reading beyond so many times the limits."""
 STILL_AFTER_S: Final = 1.0
-"""Rest is believed after this long; it is over at the first reading beyond twice the limits."""
+"""The sensors count as quiet after this time, s."""
 
 
 class QuietSensors:
@@ -24,12 +25,10 @@ class QuietSensors:
 
     def advance(self, sample: ImuSample, dt_s: float) -> None:
         """Go on to this sample, ``dt_s`` after the one before."""
-        gyro = norm(sample.gyro)
-        accel = abs(norm(sample.accel) - G_MPS2)
-        if gyro < STILL_GYRO and accel < STILL_ACCEL:
+        if is_unaccelerated(sample.gyro, sample.accel, G_MPS2, LIMITS):
             self._quiet_s += dt_s
             self.quiet = self.quiet or self._quiet_s >= STILL_AFTER_S
-        elif not (gyro < 2.0 * STILL_GYRO and accel < 2.0 * STILL_ACCEL):
+        elif not is_unaccelerated(sample.gyro, sample.accel, G_MPS2, LIMITS, LEAVING_FACTOR):
             self._quiet_s = 0.0
             self.quiet = False
 

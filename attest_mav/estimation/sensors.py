@@ -43,8 +43,11 @@ class FreezeDetector:
         return self._same_s >= FROZEN_S and self._same_count >= FROZEN_MIN_SAMPLES and norm(self._gyro) > FROZEN_RATE
 
 
-class FieldMonitor:
-    """Withholds a magnetometer reading that no longer follows the vehicle, and knows how long there was none."""
+class StuckMagnetometer:
+    """Withholds a magnetometer reading that no longer follows the vehicle, and knows how long there was none.
+
+    A repeated reading is judged by the rotation since it was new, not by the field: that is the filters' business.
+    """
 
     def __init__(self) -> None:
         self._last: Vec3 = (0.0, 0.0, 0.0)

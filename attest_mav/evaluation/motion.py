@@ -2,6 +2,10 @@
 
 Arrays have one row a sample; vectors have shape (n, 3) and quaternions (n, 4), as in ``attest_mav.types``. A motion
 begins at time 0 with the attitude ``start``; row k is the instant (k + 1) dt.
+
+The papers define their motions by sampled angles, some of them random, and their gyros by the mean rate of an interval;
+``attest_mav.sim`` has motions that are functions of time with exact derivatives, for messages at any rate. Neither can
+be made of the other without changing the papers' figures, and each is a check of the other's filters.
 """
 
 from collections.abc import Sequence

@@ -164,10 +164,11 @@ class Leveling(AttitudeFilter):
         accel = sample.accel if accel_usable else scale(x.down, -self.gravity)
         noise_factor = SATURATION_NOISE if sample.saturated else 1.0
         q_velocity = noise_factor * self.q_velocity if accel_usable else BLIND_NOISE
+        noise = (q_velocity, noise_factor * self.q_down)
         parts = 1 if dt_s <= LONGEST_STEP_S else ceil(dt_s / PART_S)
         part_s = dt_s / parts
         for _ in range(parts):
-            x = predicted(x, gyro, earth_rate_b, accel, self.gravity, part_s, q_velocity, noise_factor * self.q_down)
+            x = predicted(x, gyro, earth_rate_b, accel, self.gravity, part_s, noise)
         return x
 
     def _measure_velocity(
@@ -246,5 +247,5 @@ class Leveling(AttitudeFilter):
         variance = (1.0 - gain) * (1.0 - gain) * variance + gain * gain * self.r_heading
         known = before.known or found
         return NorthVector(
-            turned_east(north, down, gain * error), variance, known, Fusion.USED, error, innovation_variance
+            turned_east(north, down, gain * error), variance, known, Fusion.USED, -error, innovation_variance
         )

@@ -50,11 +50,12 @@ class LevelState:
 
 
 def predicted(
-    x: LevelState, gyro: Vec3, earth_rate: Vec3, accel: Vec3, gravity: float, dt_s: float, q_v: float, q_d: float
+    x: LevelState, gyro: Vec3, earth_rate: Vec3, accel: Vec3, gravity: float, dt_s: float, noise: tuple[float, float]
 ) -> LevelState:
     """x after dt_s, eqs. (21), (22) and (26), integrated in closed form while the rates are constant.
 
-    gyro, earth: rad/s. accel: specific force, m/s^2. q_v, q_d: variance that grows on each component a second.
+    gyro, earth: rad/s. accel: specific force, m/s^2. noise: variances that grow on each component of velocity and of
+    down vector, a second.
 
     The transition is [a b; 0 d]. For b, the turn by w + W of what has turned by w - W averages to the turn by w.
     """
@@ -67,9 +68,9 @@ def predicted(
     return LevelState(
         velocity,
         mat_vec(d, x.down),
-        add_diagonal(symmetric(mat_add(mat_mul_t(m_v, a), mat_mul_t(m_d, b))), q_v * dt_s),
+        add_diagonal(symmetric(mat_add(mat_mul_t(m_v, a), mat_mul_t(m_d, b))), noise[0] * dt_s),
         mat_mul_t(m_d, d),
-        add_diagonal(symmetric(mat_mul_t(mat_mul(d, x.p_dd), d)), q_d * dt_s),
+        add_diagonal(symmetric(mat_mul_t(mat_mul(d, x.p_dd), d)), noise[1] * dt_s),
     )
 
 

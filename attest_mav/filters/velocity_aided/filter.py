@@ -12,62 +12,34 @@ ed., chapter 14.
 """
 
 from dataclasses import dataclass, field, replace
-from math import asin, exp, hypot, isfinite, nan, pi
-from typing import Final, cast
+from math import asin, hypot, isfinite, nan, pi
+from typing import cast
 
-from attest_mav.algebra import clamp, heading_between, q_continuous, q_exp, q_mul, rotate, scale, sub, tilt_between
+from attest_mav.algebra import clamp, q_continuous, q_exp, q_mul, rotate, scale, sub
 from attest_mav.filters.base import AttitudeFilter, FilterInputs, FilterState, Start
 from attest_mav.filters.velocity_aided.aids.field import FieldResidual, field_residual
 from attest_mav.filters.velocity_aided.aids.gnss_velocity import low_pass_delay_s
 from attest_mav.filters.velocity_aided.alignment.collect import Alignment, accumulate, new_alignment
 from attest_mav.filters.velocity_aided.alignment.initialize import first_navigation, restarted_navigation
 from attest_mav.filters.velocity_aided.alignment.solve import (
-    ASSUMED_GRAVITY_TILT,
-    AlignmentMethod,
-    InitialState,
     solve_alignment,
 )
 from attest_mav.filters.velocity_aided.control import navigate
-from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, body_rate
 from attest_mav.filters.velocity_aided.navigation import AidingMode, Navigation
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.reading import Reading, read
+from attest_mav.filters.velocity_aided.reset import (
+    LONGEST_GAP_S,
+    MAX_TILT_SIGMA,
+    after_gap,
+    is_lost,
+    reset_sigma_after,
+    reset_sigma_decay,
+)
 from attest_mav.filters.velocity_aided.state import VelocityAidedState
 from attest_mav.plausible import is_rate
 from attest_mav.types import ImuSample, Quat, Setting, Vec3, VehicleSettings
-
-LONGEST_GAP_S: Final = 1.0
-"""Where samples are missing for longer the attitude is lost, and alignment begins again, s."""
-LONGEST_STEP_S: Final = 3.0
-"""The same of a step of usual length: a stream of 1 Hz is slow, and has no gap in it."""
-UNSEEN_GAP_S: Final = 0.25
-"""Where samples are missing for longer a rotation may have gone unseen, s,"""
-UNSEEN_RATE: Final = 1.0
-"""rad/s: of this rate."""
-MAX_TILT_SIGMA: Final = 0.6
-"""rad: with a tilt less certain than this the measurements are not linear in the error any more, and lead astray."""
-RESET_SIGMA_S: Final = 10.0
-"""After a reset caused by velocity innovations, old and new attitude cannot both be right (the receiver may have
-frozen). Their difference is added to both sigmas and decays with this time constant, s, while innovations stay small.
-The same is done after a start in motion without a velocity."""
-RESET_SIGMA_GRAVITY_S: Final = 60.0
-"""The same while gravity is the only aid, s: the accelerations of some turns must cancel."""
-
-
-def _reset_sigma_decay(navigation: Navigation, dt_s: float) -> float:
-    """The share of the reset sigma that is left after a step."""
-    if navigation.gnss.mean_nis >= 1.0 or navigation.mode == AidingMode.AIRSPEED:
-        # Airspeed alone does not make the attitude observable: in a circle it agrees with a wrong one for minutes.
-        return 1.0
-    return exp(-dt_s / (RESET_SIGMA_GRAVITY_S if navigation.mode == AidingMode.GRAVITY else RESET_SIGMA_S))
-
-
-def _attitude_jump(after: NavigationState, carried: Quat, before: NavigationState) -> float:
-    """Angle between a new attitude and the old one carried on, rad; 0 while the old one's own sigmas explain it."""
-    tilt, heading = tilt_between(after.q_nb, carried), abs(heading_between(after.q_nb, carried))
-    explained = tilt < 3.0 * before.tilt_sigma and heading < 3.0 * before.heading_sigma
-    return 0.0 if explained else max(tilt, heading)
 
 
 @dataclass(frozen=True)
@@ -135,9 +107,9 @@ class VelocityAided(AttitudeFilter):
             return self._align(before, None, reading, sample, inputs, dt_s)
         navigation = navigation.with_declination(inputs.declination, parameters)
         reading = read(sample, navigation.imu.accel)
-        if before.alignment is not None or _is_lost(dt_s, inputs):
+        if before.alignment is not None or is_lost(dt_s, inputs):
             return self._align(before, navigation, reading, sample, inputs, dt_s)
-        navigation = navigate(_after_gap(navigation, dt_s, inputs), reading, sample, inputs, dt_s, parameters)
+        navigation = navigate(after_gap(navigation, dt_s, inputs), reading, sample, inputs, dt_s, parameters)
         nav = navigation.estimate
         if not nav.is_valid:
             start = new_alignment(reading, sample.t_ns)
@@ -148,7 +120,7 @@ class VelocityAided(AttitudeFilter):
             start = new_alignment(reading, sample.t_ns)
             sigma = before.reset_sigma
             return _aligning_state(before.q_nb, nav.gyro_bias, start, navigation, 0.0, contradicted, sigma)
-        return self._navigating(navigation, before.q_nb, _reset_sigma_decay(navigation, dt_s) * before.reset_sigma)
+        return self._navigating(navigation, before.q_nb, reset_sigma_decay(navigation, dt_s) * before.reset_sigma)
 
     def with_estimate(self, state: VelocityAidedState, estimate: NavigationState) -> VelocityAidedState:
         """An aligned state with another estimate in it, as a hypothesis about the past is run again from."""
@@ -179,14 +151,14 @@ class VelocityAided(AttitudeFilter):
         """One sample more for the alignment, or its end."""
         parameters = self.parameters
         alignment = before.alignment
-        if alignment is None or _is_lost(dt_s, inputs) or sample.saturated or alignment.began_saturated:
+        if alignment is None or is_lost(dt_s, inputs) or sample.saturated or alignment.began_saturated:
             alignment = new_alignment(reading, sample.t_ns)
         else:
             alignment = accumulate(alignment, reading, sample, inputs, before.gyro_bias, dt_s, parameters)
         declination, inclination = _field_angles(navigation, inputs)
         initial = solve_alignment(alignment, declination, inclination, parameters)
         gap_s = before.gap_s + dt_s
-        by_innovations = before.reset_by_innovations and not _is_lost(dt_s, inputs)
+        by_innovations = before.reset_by_innovations and not is_lost(dt_s, inputs)
         if initial is None:
             turn = scale(sub(reading.gyro, before.gyro_bias), 0.5 * min(dt_s, LONGEST_GAP_S))
             q_nb = q_mul(before.q_nb, q_exp(turn))
@@ -198,7 +170,8 @@ class VelocityAided(AttitudeFilter):
         else:
             begun = restarted_navigation(initial, navigation, reading, sample.t_ns, gap_s, parameters)
         earlier = navigation.estimate if navigation is not None and by_innovations else None
-        return self._navigating(begun, before.q_nb, _reset_sigma(before, initial, begun, earlier))
+        sigma = reset_sigma_after(before.reset_sigma, initial.method, begun.estimate, before.q_nb, earlier)
+        return self._navigating(begun, before.q_nb, sigma)
 
     def _navigating(self, navigation: Navigation, previous: Quat, reset_sigma: float) -> VelocityAidedState:
         """The state that shows this estimate: the attitude now, not the one that the low-passed sensors see."""
@@ -223,20 +196,6 @@ class VelocityAided(AttitudeFilter):
         )
 
 
-def _is_lost(dt_s: float, inputs: FilterInputs) -> bool:
-    """True when the motion during the step is not known."""
-    return dt_s > (LONGEST_GAP_S if inputs.samples_missing else LONGEST_STEP_S)
-
-
-def _after_gap(navigation: Navigation, dt_s: float, inputs: FilterInputs) -> Navigation:
-    """The navigation with the rotation in sigma that a gap may have hidden."""
-    if not inputs.samples_missing or dt_s < UNSEEN_GAP_S:
-        return navigation
-    variance = (UNSEEN_RATE * dt_s) ** 2
-    estimate = navigation.estimate.with_added_variance(ErrorBlock.ATTITUDE, (variance, variance, variance))
-    return navigation.with_estimate(estimate)
-
-
 def _field_angles(navigation: Navigation | None, inputs: FilterInputs) -> tuple[float, float]:
     """Declination and inclination of the field for an alignment, rad; inclination NaN where it is not known."""
     inclination = inputs.inclination
@@ -246,16 +205,6 @@ def _field_angles(navigation: Navigation | None, inputs: FilterInputs) -> tuple[
     if not isfinite(inclination) and usual is not None:
         inclination = asin(clamp(usual.inclination_sine, -1.0, 1.0))
     return navigation.assumed_declination + navigation.estimate.declination_error, inclination
-
-
-def _reset_sigma(
-    before: VelocityAidedState, initial: InitialState, begun: Navigation, earlier: NavigationState | None
-) -> float:
-    """The reset sigma at the end of an alignment, rad. earlier: the estimate that innovations contradicted, if any."""
-    sigma = before.reset_sigma
-    if initial.method == AlignmentMethod.ASSUMED_GRAVITY:
-        sigma = max(sigma, ASSUMED_GRAVITY_TILT)
-    return sigma if earlier is None else max(sigma, _attitude_jump(begun.estimate, before.q_nb, earlier))
 
 
 def _aligning_state(

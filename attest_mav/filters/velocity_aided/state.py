@@ -45,7 +45,7 @@ class VelocityAidedState(FilterState):
         self.reset_by_innovations: Final = reset_by_innovations
         """Whether the alignment began because velocity fixes contradicted the estimate."""
         self.reset_sigma: Final = reset_sigma
-        """Part of both sigmas after a reset, rad, decaying, see ``filter.RESET_SIGMA_S``."""
+        """Part of both sigmas after a reset, rad, decaying, see ``reset.RESET_SIGMA_S``."""
 
     @property
     def aligned(self) -> bool:

@@ -72,7 +72,7 @@ def test_the_earth_rate_has_the_published_values():
 
 def test_prediction_and_rows_give_the_published_states():
     earth = (5.297087203e-5, -2.174437710e-5, -4.515266214e-5)
-    x = predicted(level(), GYRO, earth, (0.2, 0.5, -9.7), 9.81, 0.01, 1e-5, 3e-9)
+    x = predicted(level(), GYRO, earth, (0.2, 0.5, -9.7), 9.81, 0.01, (1e-5, 3e-9))
     assert x.velocity == pytest.approx((4.00698481277, 0.110729823485, -0.200738249581), abs=1e-9)
     assert x.down == pytest.approx((0.050298046159, 0.100444288966, 0.989939923110), abs=1e-9)
     x = updated(x, FORWARD, ZERO, 4.1 - x.velocity[0], 0.01)
@@ -106,7 +106,7 @@ def test_a_step_is_the_exponential_of_the_system_matrix(seed):
         term = term @ f * dt_s / k
         phi = phi + term
     state, p = whole(x)
-    ours, p_ours = whole(predicted(x, tuple(rates), tuple(earth), tuple(force), 9.81, dt_s, 0.1, 0.2))
+    ours, p_ours = whole(predicted(x, tuple(rates), tuple(earth), tuple(force), 9.81, dt_s, (0.1, 0.2)))
     noise = dt_s * np.diag([0.1] * 3 + [0.2] * 3)
     # The force is integrated to third order: the next term of it is below 20 (w dt)^3 dt / 24.
     assert np.abs(ours - (phi @ [*state, 1.0])[:6]).max() < 2e-6

@@ -1,5 +1,11 @@
-"""Flights with a known truth, as telemetry shows them: low-passed, delayed, held, truncated."""
+"""Flights with a known truth, as telemetry shows them: low-passed, delayed, held, truncated.
 
+The truth is made here and not by ``attest_mav.sim``: its rates and accelerations are differences on a grid of 2 ms,
+those of the simulator are derivatives of jets, so an error of one would show against the other's figures. The
+simulator's flights, through its messages and the whole daemon, are in tests/scenario.
+"""
+
+import copy
 from dataclasses import dataclass, field
 from math import radians
 
@@ -220,3 +226,25 @@ def copter_log(copter):
 def telemetry():
     """Makes a flight of a motion: ``telemetry(motion, rate_hz=10)``."""
     return lambda motion, **how: telemetered(motion, Telemetry(**how))
+
+
+def changed(flight, change):
+    """The flight with ``change(k, sample, inputs)`` applied to each sample from the start."""
+    other = copy.copy(flight)
+    pairs = [change(k, s, i) for k, (s, i) in enumerate(zip(flight.samples, flight.inputs, strict=True))]
+    other.samples = [s for s, _ in pairs]
+    other.inputs = [i for _, i in pairs]
+    return other
+
+
+def with_reading(sample, **others):
+    """The sample with other readings."""
+    values = {"gyro": sample.gyro, "accel": sample.accel, "mag": sample.mag, "saturated": sample.saturated}
+    values |= others
+    return ImuSample(sample.source, 1, 1, sample.t_ns, sample.rx_ns, **values, quantum=sample.quantum)
+
+
+def with_inputs(inputs, **others):
+    """The inputs with some of their fields replaced; every other one stays."""
+    names = [name for name in dir(inputs) if not name.startswith("_") and not callable(getattr(inputs, name))]
+    return FilterInputs(**{name: getattr(inputs, name) for name in names} | others)

@@ -1,6 +1,5 @@
 """Each aid of the flight filter leaves a record in each step that it has something to say, used or not."""
 
-import copy
 from math import isnan, nan
 
 import numpy as np
@@ -11,15 +10,7 @@ from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.innovation import Aid, Fusion, Innovation
 
-from .conftest import DECLINATION, DIP, FIELD, wing
-
-
-def edited(flight, change):
-    """The flight with ``change(k, sample, inputs)`` applied to each sample."""
-    other = copy.copy(flight)
-    pairs = [change(k, s, i) for k, (s, i) in enumerate(zip(flight.samples, flight.inputs, strict=True))]
-    other.samples, other.inputs = [s for s, _ in pairs], [i for _, i in pairs]
-    return other
+from .conftest import DECLINATION, DIP, FIELD, changed, wing
 
 
 def records(states, aid):
@@ -72,7 +63,7 @@ def test_each_new_fix_has_one_record(plane_log):
 
 
 def test_a_wild_fix_is_fused_with_an_inflated_variance(plane_log):
-    states = edited(plane_log, with_fix(lambda fix: fix.with_velocity((650.0, 0.0, 0.0)))).run(first=800, last=1012)
+    states = changed(plane_log, with_fix(lambda fix: fix.with_velocity((650.0, 0.0, 0.0)))).run(first=800, last=1012)
     last = records(states, Aid.VELOCITY)[-1]
     assert last.fusion == Fusion.INFLATED
     assert last.residual[0] > 600.0
@@ -89,7 +80,7 @@ def test_a_wild_fix_is_fused_with_an_inflated_variance(plane_log):
     ],
 )
 def test_a_fix_that_cannot_be_used_says_why(plane_log, change, fusion):
-    states = edited(plane_log, with_fix(change)).run(first=800, last=1200)
+    states = changed(plane_log, with_fix(change)).run(first=800, last=1200)
     assert {one.fusion for one in records(states[205:], Aid.VELOCITY)} == {fusion}
     assert not any(one.residual for one in records(states[205:], Aid.VELOCITY))
 
@@ -98,12 +89,12 @@ def test_magnetometer_readings(plane_log):
     usual = records(plane_log.run(first=800, last=1000)[100:], Aid.MAGNETOMETER)
     assert {one.fusion for one in usual} == {Fusion.USED}
     assert len(usual) == pytest.approx(20, abs=1)
-    turned = edited(plane_log, with_field(lambda mag: (mag[0] + 0.3, mag[1] - 0.3, mag[2]))).run(first=800, last=1010)
+    turned = changed(plane_log, with_field(lambda mag: (mag[0] + 0.3, mag[1] - 0.3, mag[2]))).run(first=800, last=1010)
     first = next(one for one in records(turned[200:], Aid.MAGNETOMETER) if one.fusion != Fusion.USED)
     assert first.fusion == Fusion.INFLATED
     assert first.nis > 16.0
     for absurd in ((0.0, 0.0, 0.0), (1e30, 0.0, 0.0)):
-        states = edited(plane_log, with_field(lambda _, absurd=absurd: absurd)).run(first=800, last=1010)
+        states = changed(plane_log, with_field(lambda _, absurd=absurd: absurd)).run(first=800, last=1010)
         assert [one.fusion for one in records(states[200:], Aid.MAGNETOMETER)] == [Fusion.IMPLAUSIBLE]
         assert not states[-1].mag_used
 
@@ -117,7 +108,7 @@ def without_velocity(**others):
 
 
 def test_zero_motion_is_used_without_fixes_and_left_out_with_them(copter_log):
-    still = edited(copter_log, without_velocity(zero_mean_velocity=True)).run(last=490)
+    still = changed(copter_log, without_velocity(zero_mean_velocity=True)).run(last=490)
     rates, velocities = records(still, Aid.ZERO_RATE), records(still, Aid.ZERO_VELOCITY)
     assert len(rates) == len(velocities) > 50
     assert {one.fusion for one in velocities} == {Fusion.USED}
@@ -139,16 +130,16 @@ def test_airspeed(plane_log):
 
         return edit
 
-    used = edited(plane_log, change(20.0)).run(first=600, last=1340)
+    used = changed(plane_log, change(20.0)).run(first=600, last=1340)
     assert {one.fusion for one in records(used, Aid.AIRSPEED)} == {Fusion.USED}
     assert records(used, Aid.AIRSPEED)[-1].observation == (20.0, 0.0, 0.0)
-    wild = edited(plane_log, change(200.0)).run(first=600, last=1340)
+    wild = changed(plane_log, change(200.0)).run(first=600, last=1340)
     assert records(wild, Aid.AIRSPEED)[-1].fusion == Fusion.INFLATED
 
 
 def test_gravity_and_zero_mean_velocity(copter_log):
     for aid, assumed in ((Aid.GRAVITY, False), (Aid.ZERO_MEAN_VELOCITY, True)):
-        calm = edited(copter_log, without_velocity(zero_mean_velocity=assumed))
+        calm = changed(copter_log, without_velocity(zero_mean_velocity=assumed))
 
         def shoved(k, sample, inputs):
             push = (60.0, 0.0, 0.0) if k >= 1400 else (0.0, 0.0, 0.0)
@@ -158,7 +149,7 @@ def test_gravity_and_zero_mean_velocity(copter_log):
         used = records(calm.run(first=600, last=1400)[400:], aid)
         assert len(used) > 50
         assert np.mean([one.fusion == Fusion.USED for one in used]) > (0.1 if assumed else 0.99)
-        hard = records(edited(calm, shoved).run(first=600, last=1500)[800:], aid)
+        hard = records(changed(calm, shoved).run(first=600, last=1500)[800:], aid)
         assert np.mean([one.fusion == Fusion.INFLATED for one in hard]) > 0.9
 
 
@@ -189,7 +180,7 @@ def test_a_hypothesis_about_one_error_is_run_again_from_a_changed_covariance(pla
         gyro = (sample.gyro[0] + (step if k >= 1200 else 0.0), *sample.gyro[1:])
         return sample.with_readings(gyro, sample.accel, sample.mag), inputs
 
-    flight = edited(plane_log, stepped)
+    flight = changed(plane_log, stepped)
     at_step = flight.run(first=800, last=1200)[-1]
     roomy = at_step.navigation.estimate.with_added_variance(ErrorBlock.GYRO_BIAS, (step**2,) * 3)
     assert chosen.with_estimate(at_step, at_step.navigation.estimate).q_nb == at_step.q_nb
@@ -202,7 +193,7 @@ def test_a_hypothesis_about_one_error_is_run_again_from_a_changed_covariance(pla
 
 def test_a_velocity_without_ties_takes_the_receivers_offset_and_leaves_the_attitude(plane_log):
     chosen = VelocityAided()
-    flight = edited(
+    flight = changed(
         plane_log, with_fix(lambda fix: fix.with_velocity((fix.v_ned[0] + 5.0, *fix.v_ned[1:])), 1200, 1400)
     )
     before = flight.run(first=800, last=1200)[-1]

@@ -16,38 +16,7 @@ from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.types import ImuSample, North, VelocitySample
 
-from .conftest import RECEIVER, gusty, wing
-
-
-def rms(x):
-    return float(np.sqrt(np.nanmean(np.square(x))))
-
-
-def changed(flight, change):
-    """The flight with ``change(k, sample, aids)`` applied to each sample from the start."""
-    other = copy.copy(flight)
-    pairs = [change(k, s, a) for k, (s, a) in enumerate(zip(flight.samples, flight.inputs, strict=True))]
-    other.samples = [s for s, _ in pairs]
-    other.inputs = [a for _, a in pairs]
-    return other
-
-
-def with_reading(sample, **others):
-    values = {"gyro": sample.gyro, "accel": sample.accel, "mag": sample.mag, "saturated": sample.saturated}
-    values |= others
-    return ImuSample(sample.source, 1, 1, sample.t_ns, sample.rx_ns, **values, quantum=sample.quantum)
-
-
-def with_inputs(inputs, **others):
-    return FilterInputs(
-        velocity=others.get("velocity", inputs.velocity),
-        declination=others.get("declination", inputs.declination),
-        inclination=others.get("inclination", inputs.inclination),
-        airspeed=others.get("airspeed", inputs.airspeed),
-        goes_where_it_points=others.get("goes_where_it_points", inputs.goes_where_it_points),
-        zero_mean_velocity=others.get("zero_mean_velocity", inputs.zero_mean_velocity),
-    )
-
+from .conftest import RECEIVER, changed, gusty, rms, wing, with_inputs, with_reading
 
 # --- what it reaches ------------------------------------------------------------------------------------------------
 
