@@ -100,7 +100,7 @@ class FaultFlight:
         for event in pipeline.handle(sample):
             if isinstance(event, LaneEvent):
                 self._events.append((event.t_ns * 1e-9, event.kind.name, f"{event.lane}: {event.text}"))
-            elif isinstance(event, Estimate) and event is pipeline.estimate:
+            elif isinstance(event, Estimate) and event is pipeline.estimate and pipeline.publishes:
                 north = event.north
                 self._comparisons[1].add(
                     Attitude(event.t_ns, event.t_ns * 1e-9, event.q_nb, north, event.tilt_sigma, nan, counted=False)
