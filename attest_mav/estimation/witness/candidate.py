@@ -51,10 +51,11 @@ class Explanation(IntEnum):
 class Hypothesis:
     """An explanation with its numbers.
 
-    from_ns: the instant of the sensor's clock from which on it holds. shift_s: how much older fixes are than they say.
+    from_ns: the instant of the sensor's clock from which on it holds. shift_s: by how much fixes are older than they
+    say from then on.
     """
 
-    def __init__(self, kind: Explanation, from_ns: int, shift_s: float = 0.0) -> None:
+    def __init__(self, kind: Explanation, from_ns: int, shift_s: float) -> None:
         self.kind: Final = kind
         self.from_ns: Final = from_ns
         self.shift_s: Final = shift_s
@@ -80,8 +81,7 @@ class Hypothesis:
 class Candidate:
     """A filter that runs under a hypothesis.
 
-    state: at the moment before the first one that it takes. base_shift_s: by which fixes are taken to be older before
-    the hypothesis. scored_from_ns: from then on it is scored. limit: of the normalised innovation squared of a fix,
+    state: at the moment before the first one that it takes. shift_s: by which fixes are older before it. scored_from_ns: from then on it is scored. limit: of the normalised innovation squared of a fix,
     beyond which it is refuted. field: of the lane, for its mean.
     """
 
@@ -89,7 +89,7 @@ class Candidate:
         self,
         hypothesis: Hypothesis,
         state: FilterState,
-        base_shift_s: float,
+        shift_s: float,
         scored_from_ns: int,
         limit: float,
         field: FieldWatch,
@@ -100,12 +100,11 @@ class Candidate:
         self.is_refuted = False
         self.fixes = 0
         """Fixes since it holds."""
-        self._base_shift_s: Final = base_shift_s
         self._scored_from_ns: Final = scored_from_ns
         self._limit: Final = limit
         self._field: Final = field
         self._begun = False
-        self._shift_s = base_shift_s
+        self._shift_s = shift_s
         self._fix_ns = -1
         self._used_ns = -1
 
@@ -119,7 +118,7 @@ class Candidate:
         if fix is not None and is_new:
             self._fix_ns = fix.t_ns
             if self._begun:
-                self._shift_s = self._base_shift_s + self.hypothesis.shift_s
+                self._shift_s = self.hypothesis.shift_s
         self.state = one.step(self.state, moment.dt_s, moment.sample, with_fix(moment.inputs, self._given(fix)))
         if moment.t_ns >= self._scored_from_ns:
             self._score_fix(is_new, one)

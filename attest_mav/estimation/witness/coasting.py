@@ -9,7 +9,7 @@ from math import hypot, sqrt
 from typing import Final
 
 from attest_mav.algebra import sub
-from attest_mav.estimation.witness.contradiction import SHIFTS_S
+from attest_mav.estimation.witness.contradiction import shifts_beside
 from attest_mav.estimation.witness.flight_state import FixRecord, fix_delay_of, velocity_of
 from attest_mav.estimation.witness.moments import Moments
 from attest_mav.types import Vec3
@@ -34,7 +34,7 @@ REMEMBERED: Final = 25
 
 
 class Lateness:
-    """How well a shift explains the innovations.
+    """How well a shift of the fixes explains the innovations.
 
     share, share_whole: of the scatter, and of the mean square, that is left. rms, mean: what is left, m/s.
     """
@@ -53,9 +53,7 @@ class Lateness:
     @property
     def is_proven(self) -> bool:
         """True where the receiver is late by this."""
-        return (
-            self.moving > MOVING and self.share < LATE_SHARE and self.rms < LATE_RMS and self.mean < LATE_MEAN
-        )
+        return self.moving > MOVING and self.share < LATE_SHARE and self.rms < LATE_RMS and self.mean < LATE_MEAN
 
     @property
     def is_suspected(self) -> bool:
@@ -73,9 +71,15 @@ class _WatchedFix:
 
 
 class Coasting:
-    """began_ns: by the sensor's clock. usual: size of an innovation before, m/s. by_sensors: accelerometers did it."""
+    """What is seen while coasting.
 
-    def __init__(self, began_ns: int, usual: float, by_sensors: bool) -> None:
+    began_ns: by the sensor's clock. usual: size of an innovation before, m/s. by_sensors: the accelerometers did it.
+    shift_s: by which fixes are older than they say.
+    """
+
+    def __init__(self, began_ns: int, usual: float, by_sensors: bool, shift_s: float) -> None:
+        self._shifts_s: Final = shifts_beside(shift_s)
+        self._present_s: Final = shift_s
         self.began_ns: Final = began_ns
         self.by_sensors: Final = by_sensors
         self._limit: Final = max(STEADY_SIGMA, STEADY_USUALS * usual)
@@ -88,7 +92,10 @@ class Coasting:
             return
         instant_ns = record.t_ns - int(1e9 * fix_delay_of(newest.state))
         then = velocity_at(moments, instant_ns)
-        shifts = [sub(velocity_at(moments, instant_ns - int(1e9 * shift_s)), then) for shift_s in SHIFTS_S]
+        shifts = [
+            sub(velocity_at(moments, instant_ns - int(1e9 * (shift_s - self._present_s))), then)
+            for shift_s in self._shifts_s
+        ]
         self._fixes.append(_WatchedFix(record.innovation, shifts))
 
     def is_steady(self, field_fits: bool) -> bool:
@@ -106,7 +113,7 @@ class Coasting:
         """The shift that explains the innovations best; None while there are too few."""
         if len(self._fixes) < LATE_FIXES:
             return None
-        found = [self._lateness_of(place) for place in range(len(SHIFTS_S))]
+        found = [self._lateness_of(place) for place in range(len(self._shifts_s))]
         return min(found, key=lambda one: one.rms)
 
     def _lateness_of(self, place: int) -> Lateness:
@@ -123,7 +130,7 @@ class Coasting:
         scatter_left = _square(_deviation(left[0])) + _square(_deviation(left[1]))
         whole, whole_left = _mean_square(given), _mean_square(left)
         return Lateness(
-            SHIFTS_S[place],
+            self._shifts_s[place],
             max(_deviation(moved[0]), _deviation(moved[1])),
             scatter_left / max(scatter, 1e-9),
             sqrt(scatter_left),
@@ -155,9 +162,9 @@ def _deviation(values: list[float]) -> float:
 
 def _mean_square(axes: list[list[float]]) -> float:
     """Of both axes together."""
-    return sum([_square(value) for value in axes[0]]) / len(axes[0]) + sum(
-        [_square(value) for value in axes[1]]
-    ) / len(axes[1])
+    return sum([_square(value) for value in axes[0]]) / len(axes[0]) + sum([_square(value) for value in axes[1]]) / len(
+        axes[1]
+    )
 
 
 def _square(value: float) -> float:

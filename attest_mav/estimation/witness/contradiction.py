@@ -14,8 +14,9 @@ SENSOR_STARTS_NS: Final = tuple(int(1e9 * s) for s in (0.5, 1.0, 1.5, 2.0, 3.0, 
 """How long before the contradiction all gyros, or all accelerometers, may have stepped."""
 LATE_STARTS_NS: Final = (0, 1_000_000_000, 2_500_000_000)
 """The same of the receiver's delay."""
-SHIFTS_S: Final = tuple(0.05 * k for k in (-2, 2, 3, 4, 5, 6, 7, 8, 9, 10))
-"""Steps of the receiver's delay; smaller ones belong to the filter's own delay state."""
+SHIFTS_S: Final = tuple(0.05 * k for k in range(-2, 11))
+LEAST_STEP_S: Final = 0.1
+"""Shifts of the receiver's fixes that are tried; a smaller step belongs to the filter's own delay state."""
 LIMIT_GATES: Final = 1.5
 """A fix beyond so many gates refutes an explanation."""
 LEAD: Final = 6.0
@@ -27,18 +28,23 @@ PATIENCE_NS: Final = 3_000_000_000
 """Decided at the latest."""
 
 
-def hypotheses_at(contradicted_ns: int) -> list[Hypothesis]:
-    """Everything that is tried when a fix that came at this instant contradicts."""
+def shifts_beside(present_s: float) -> list[float]:
+    """The shifts that are a step away from the present one, s."""
+    return [shift_s for shift_s in SHIFTS_S if abs(shift_s - present_s) > LEAST_STEP_S - 1e-6]
+
+
+def hypotheses_at(contradicted_ns: int, present_s: float) -> list[Hypothesis]:
+    """Everything that is tried when a fix that came at this instant contradicts; fixes are shifted by ``present_s``."""
     found = [
-        Hypothesis(Explanation.RECEIVER, contradicted_ns),
-        Hypothesis(Explanation.RECEIVER, contradicted_ns - SCORED_NS),
-        Hypothesis(Explanation.OFFSET, contradicted_ns),
+        Hypothesis(Explanation.RECEIVER, contradicted_ns, present_s),
+        Hypothesis(Explanation.RECEIVER, contradicted_ns - SCORED_NS, present_s),
+        Hypothesis(Explanation.OFFSET, contradicted_ns, present_s),
     ]
-    for start_ns in LATE_STARTS_NS:
-        found += [Hypothesis(Explanation.LATE, contradicted_ns - start_ns, shift_s) for shift_s in SHIFTS_S]
+    for shift_s in shifts_beside(present_s):
+        found += [Hypothesis(Explanation.LATE, contradicted_ns - start_ns, shift_s) for start_ns in LATE_STARTS_NS]
     for start_ns in SENSOR_STARTS_NS:
-        found.append(Hypothesis(Explanation.GYROS, contradicted_ns - start_ns))
-        found.append(Hypothesis(Explanation.ACCELEROMETERS, contradicted_ns - start_ns))
+        found.append(Hypothesis(Explanation.GYROS, contradicted_ns - start_ns, present_s))
+        found.append(Hypothesis(Explanation.ACCELEROMETERS, contradicted_ns - start_ns, present_s))
     return found
 
 
@@ -73,7 +79,7 @@ class Contradiction:
         self.lane: Final = lane
         """The lane on which the explanations run."""
         self.candidates: list[Candidate] = []
-        for hypothesis in hypotheses_at(contradicted_ns):
+        for hypothesis in hypotheses_at(contradicted_ns, shift_s):
             candidate = run_again(hypothesis, lane, one, contradicted_ns, shift_s)
             if candidate is not None:
                 self.candidates.append(candidate)

@@ -70,9 +70,7 @@ class Dispute:
 
     def weighed(self, evidence: float, fix_ns: int, reading_ns: int) -> "Dispute":
         """More evidence, from this fix or reading."""
-        return Dispute(
-            self.opened_ns, self.seen_ns, evidence, fix_ns, reading_ns, self.gyro_offset, self.accel_offset
-        )
+        return Dispute(self.opened_ns, self.seen_ns, evidence, fix_ns, reading_ns, self.gyro_offset, self.accel_offset)
 
 
 class LanePair:
@@ -197,5 +195,3 @@ class LanePair:
             found.accel_scatter,
             found.count,
         )
-
-

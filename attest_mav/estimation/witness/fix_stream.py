@@ -1,5 +1,6 @@
 """The receiver's fixes as one lane gets them: which is new, which repeats itself, and how well they usually fit."""
 
+from math import hypot
 from typing import Final
 
 from attest_mav.algebra import norm
@@ -15,6 +16,10 @@ GATE_USUALS: Final = 8.0
 """The gate on the normalised innovation squared of a fix, as a multiple of the usual one between these limits."""
 USUAL_SHARE: Final = 0.02
 USUAL_AT_START: Final = 0.1
+INNOVATION_AT_START: Final = 0.1
+"""m/s."""
+LARGEST_USUALS: Final = 4.0
+"""One innovation counts for at most so many of the usual ones."""
 
 
 class FixStream:
@@ -23,6 +28,8 @@ class FixStream:
     def __init__(self) -> None:
         self.usual_nis = USUAL_AT_START
         """Slow mean of the normalised innovation squared in good times."""
+        self.usual_innovation = INNOVATION_AT_START
+        """The same of the size of a horizontal innovation, m/s."""
         self._newest_ns = -1
         self._velocity: Vec3 = (0.0, 0.0, 0.0)
         self._same = 1
@@ -48,6 +55,8 @@ class FixStream:
         self._velocity = fix.v_ned
         return True
 
-    def learn(self, nis: float) -> None:
+    def learn(self, nis: float, innovation: Vec3) -> None:
         """A fix was used in good times."""
+        size = min(hypot(innovation[0], innovation[1]), LARGEST_USUALS * self.usual_innovation)
+        self.usual_innovation += USUAL_SHARE * (size - self.usual_innovation)
         self.usual_nis += USUAL_SHARE * (min(nis, LARGEST_GATE) - self.usual_nis)

@@ -6,7 +6,7 @@ Every function gives a new state; the equations of the filter stay as they are.
 from math import hypot
 from typing import Final
 
-from attest_mav.algebra import add, norm, scale, sub
+from attest_mav.algebra import add, norm, sub
 from attest_mav.filters.base import FilterState
 from attest_mav.filters.velocity_aided.aids.gnss_velocity import fuse_velocity, is_velocity
 from attest_mav.filters.velocity_aided.aids.magnetometer import field_of, heading_measurement
@@ -226,12 +226,6 @@ def fix_delay_of(state: FilterState) -> float:
     return 0.0 if navigation is None else navigation.estimate.delays[1]
 
 
-def innovation_rms(state: FilterState) -> float:
-    """Usual size of the innovation of an axis, m/s."""
-    navigation = navigation_of(state)
-    return 0.0 if navigation is None else navigation.gnss.innovation_power**0.5
-
-
 def shifted(fix: VelocitySample, by_s: float) -> VelocitySample:
     """The same fix, so much older than its time stamp says."""
     if by_s == 0.0:
@@ -247,8 +241,3 @@ def shifted(fix: VelocitySample, by_s: float) -> VelocitySample:
         fix.origin,
         fix.sigma,
     )
-
-
-def scaled_difference(a: Vec3, b: Vec3, share: float) -> Vec3:
-    """share (a - b)."""
-    return scale(sub(a, b), share)

@@ -94,7 +94,7 @@ class LaneWatch(Stepper):
             self._record(record, sample)
             if record.nis <= self.fixes.gate:
                 if situation.calm:
-                    self.fixes.learn(record.nis)
+                    self.fixes.learn(record.nis, record.innovation)
                 return after
             self._refused_ns = fix.t_ns
             return one.step(state, dt_s, sample, with_fix(inputs, None))

@@ -155,9 +155,7 @@ def contrast_of_states(difference: Difference, first: FilterState, second: Filte
     apart = tilt > max(TILT_LIMIT, SIGMAS * hypot(first.tilt_sigma, second.tilt_sigma)) or heading > max(
         HEADING_LIMIT, SIGMAS * hypot(first.heading_sigma, second.heading_sigma)
     )
-    return Contrast(
-        readings.gyro, readings.accel, tilt, heading, readings.gyros_differ, readings.accels_differ, apart
-    )
+    return Contrast(readings.gyro, readings.accel, tilt, heading, readings.gyros_differ, readings.accels_differ, apart)
 
 
 def _squares(v: Vec3) -> Vec3:

@@ -15,11 +15,7 @@ from attest_mav.estimation.witness.challenger import Challenge, Challenger
 from attest_mav.estimation.witness.coasting import Coasting
 from attest_mav.estimation.witness.contradiction import Contradiction, run_again
 from attest_mav.estimation.witness.doubt import FIELD_LEAST, FIELD_USUALS, Doubt
-from attest_mav.estimation.witness.flight_state import (
-    innovation_rms,
-    with_variance_added,
-    with_velocity_unknown,
-)
+from attest_mav.estimation.witness.flight_state import with_variance_added, with_velocity_unknown
 from attest_mav.estimation.witness.lane_watch import LaneWatch
 from attest_mav.estimation.witness.moments import Moment
 from attest_mav.filters.base import FilterState
@@ -107,10 +103,8 @@ class ReceiverMonitor:
         return [_event(selected, moment, LaneEventKind.CONTRADICTED, text)]
 
     def _on_probation(self, selected: LaneWatch) -> None:
-        state = selected.state
-        if state is not None:
-            fits = not selected.field.exceeds(FIELD_LEAST, FIELD_USUALS)
-            self._doubt.fix_on_probation(_size(selected), innovation_rms(state), fits)
+        fits = not selected.field.exceeds(FIELD_LEAST, FIELD_USUALS)
+        self._doubt.fix_on_probation(_size(selected), selected.fixes.usual_innovation, fits)
 
     def _decide(
         self,
@@ -143,8 +137,7 @@ class ReceiverMonitor:
         self, best: Candidate, contradiction: Contradiction, selected: LaneWatch, lanes: Sequence[LaneWatch]
     ) -> None:
         """All lanes take the state that was run again under the explanation, or coast."""
-        kind, state = best.hypothesis.kind, selected.state
-        usual = 0.0 if state is None else innovation_rms(state)
+        kind, usual = best.hypothesis.kind, selected.fixes.usual_innovation
         adopted = best
         if kind == Explanation.ACCELEROMETERS:
             without = contradiction.best_of(Explanation.RECEIVER)
@@ -157,10 +150,10 @@ class ReceiverMonitor:
             again = adopted if lane is selected else _again(adopted.hypothesis, contradiction, lane)
             if again is not None:
                 lane.adopt(again.state)
-        self.shift_s += best.hypothesis.shift_s
+        self.shift_s = best.hypothesis.shift_s
 
     def _begin_coasting(self, now_ns: int, usual: float, by_sensors: bool) -> None:
-        self.coasting = Coasting(now_ns, usual, by_sensors)
+        self.coasting = Coasting(now_ns, usual, by_sensors, self.shift_s)
         self._challenger = None
         self._lane_residual = 0.0
 
@@ -181,7 +174,7 @@ class ReceiverMonitor:
         coasting.take(fix, selected.moments)
         late = coasting.lateness()
         if late is not None and late.is_proven:
-            self.shift_s += late.shift_s
+            self.shift_s = late.shift_s
             return self._return(selected, lanes, moment, f"late by {late.shift_s:.2f} s", DELAY_SIGMA**2)
         if late is not None and late.is_suspected:
             return []
@@ -241,7 +234,7 @@ def _again(hypothesis: Hypothesis, contradiction: Contradiction, lane: LaneWatch
 
 def _words(best: Candidate) -> str:
     words = _WORDS[best.hypothesis.kind]
-    return f"{words} by {best.hypothesis.shift_s:.2f} s" if best.hypothesis.shift_s != 0.0 else words
+    return f"{words} by {best.hypothesis.shift_s:.2f} s" if best.hypothesis.kind == Explanation.LATE else words
 
 
 def _size(lane: LaneWatch) -> float:
