@@ -80,6 +80,7 @@ class LanePair:
         self.first: Final = first
         self.second: Final = second
         self.recent: Final = RunningDifference(0.5)
+        self.second_long: Final = RunningDifference(1.0)
         self.longer: Final = RunningDifference(2.0)
         self.dispute: Dispute | None = None
         self.contrast: Contrast | None = None
@@ -105,6 +106,7 @@ class LanePair:
         self._paired_ns = (a.t_ns, b.t_ns)
         gyro, accel = sub(a.sample.gyro, b.sample.gyro), sub(a.sample.accel, b.sample.accel)
         self.recent.take(a.t_ns, gyro, accel)
+        self.second_long.take(a.t_ns, gyro, accel)
         self.longer.take(a.t_ns, gyro, accel)
         return True
 

@@ -15,6 +15,7 @@ from attest_mav.estimation.witness.flight_state import (
     used_fix,
 )
 from attest_mav.estimation.witness.moments import Moment, Moments
+from attest_mav.estimation.witness.sensor_noise import SensorNoise
 from attest_mav.estimation.witness.situation import Situation, Standing
 from attest_mav.filters.base import AttitudeFilter, FilterInputs, FilterState
 from attest_mav.filters.velocity_aided.filter import VelocityAided
@@ -39,8 +40,15 @@ class LaneWatch(Stepper):
         self.gyro_bias: Vec3 = (0.0, 0.0, 0.0)
         self.accel_bias: Vec3 = (0.0, 0.0, 0.0)
         """Biases that its readings are compared with while it stands aside, rad/s and m/s^2."""
-        self.filter: VelocityAided | None = None
+        self.configured: VelocityAided | None = None
         """The filter with the vehicle's settings; None before its first step."""
+        self.filter: VelocityAided | None = None
+        """The same with the sensor's noise."""
+        self.noise: SensorNoise | None = None
+        """The sensor's noise, None while the filter takes its own."""
+        self.noise_ns = -1
+        """Time of the sample at which it was last looked at."""
+        self._noise_in_use: SensorNoise | None = None
         self._refused_ns = -1
         self._adopted: FilterState | None = None
 
@@ -78,7 +86,7 @@ class LaneWatch(Stepper):
         """One step of the filter; a fix outside the gate is not used."""
         if not isinstance(one, VelocityAided):
             return one.step(state, dt_s, sample, inputs)
-        self.filter = one
+        one = self._tuned(one)
         if navigation_of(state) is None:
             return one.step(state, dt_s, sample, inputs)
         situation, fix = self.situation, inputs.velocity
@@ -104,6 +112,15 @@ class LaneWatch(Stepper):
             if record is not None:
                 self._record(record, sample)
         return after
+
+    def _tuned(self, one: VelocityAided) -> VelocityAided:
+        """The filter with the sensor's noise; it is made anew when either changes."""
+        known = self.filter
+        if known is None or one is not self.configured or self.noise is not self._noise_in_use:
+            self.configured, self._noise_in_use = one, self.noise
+            known = one if self.noise is None else self.noise.of(one)
+            self.filter = known
+        return known
 
     def _record(self, record: FixRecord, sample: ImuSample) -> None:
         self.fix = record

@@ -16,6 +16,7 @@ from attest_mav.estimation.witness.lane_watch import LaneWatch
 from attest_mav.estimation.witness.members import candidate_member, is_near, lane_member
 from attest_mav.estimation.witness.moments import Moment
 from attest_mav.estimation.witness.naming import sensor_text
+from attest_mav.estimation.witness.pair_noise import follow_noise
 from attest_mav.estimation.witness.receiver_monitor import ReceiverMonitor
 from attest_mav.estimation.witness.situation import Situation, Standing
 
@@ -116,6 +117,7 @@ class Witness:
             if standings == (Standing.GOOD, Standing.GOOD):
                 if paired:
                     self._dispute(pair, moment, events)
+                    self._follow_noise(pair)
                 self._find_guilt(pair, moment, events)
             elif paired and Standing.ASIDE in standings and Standing.GOOD in standings:
                 aside = pair.first if pair.first.standing == Standing.ASIDE else pair.second
@@ -128,6 +130,13 @@ class Witness:
         if before is None and pair.dispute is not None and pair.contrast is not None:
             text = f"{pair.first.name} and {pair.second.name} differ: {pair.contrast.text}"
             events.append(_event(pair.first, moment, LaneEventKind.DISPUTED, text))
+
+    def _follow_noise(self, pair: LanePair) -> None:
+        """A fault is no noise: only in good order do both lanes take what their sensors differ by."""
+        in_order = all([lane.standing == Standing.GOOD and not lane.dead.reason for lane in self._lanes.values()])
+        if in_order and all([one.dispute is None for one in self._pairs]):
+            follow_noise(pair, pair.first)
+            follow_noise(pair, pair.second)
 
     def _find_guilt(self, pair: LanePair, moment: Moment, events: list[LaneEvent]) -> None:
         used = self._receiver.is_used
