@@ -14,7 +14,7 @@ from attest_mav.estimation.witness.flight_state import FixRecord, fix_delay_of, 
 from attest_mav.estimation.witness.moments import Moments
 from attest_mav.types import Vec3
 
-STEADY_FIXES: Final = 10
+STEADY_FIXES: Final = 15
 STEADY_SIGMA: Final = 0.2
 STEADY_USUALS: Final = 2.0
 """Innovations are steady when over so many fixes each axis scatters by less than both limits, m/s."""

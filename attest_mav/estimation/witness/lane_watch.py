@@ -13,13 +13,22 @@ from attest_mav.estimation.witness.flight_state import (
     shifted,
     unused_fix,
     used_fix,
+    with_variance_added,
 )
 from attest_mav.estimation.witness.moments import Moment, Moments
+from attest_mav.estimation.witness.rest_check import RestCheck
 from attest_mav.estimation.witness.sensor_noise import SensorNoise
 from attest_mav.estimation.witness.situation import Situation, Standing
 from attest_mav.filters.base import AttitudeFilter, FilterInputs, FilterState
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.types import ImuSample, Vec3, VelocitySample
+
+GAP_S: Final = 0.25
+GAP_STEPS: Final = 3.0
+"""A step longer than both, the second in usual steps, is a gap."""
+GAP_RATE: Final = 1.0
+"""rad/s: what a vehicle may turn by in it."""
+USUAL_SHARE: Final = 0.1
 
 
 class LaneWatch(Stepper):
@@ -33,6 +42,7 @@ class LaneWatch(Stepper):
         self.dead: Final = DeadSensor()
         self.field: Final = FieldWatch()
         self.fixes: Final = FixStream()
+        self.rest: Final = RestCheck()
         self.fix: FixRecord | None = None
         """The newest fix beside the lane's estimate, used or not."""
         self.fix_seen_ns = -1
@@ -50,6 +60,7 @@ class LaneWatch(Stepper):
         """Time of the sample at which it was last looked at."""
         self._noise_in_use: SensorNoise | None = None
         self._refused_ns = -1
+        self._usual_s = 0.0
         self._adopted: FilterState | None = None
 
     @property
@@ -74,11 +85,19 @@ class LaneWatch(Stepper):
         if self._adopted is not None:
             state, self._adopted = self._adopted, None
         self.dead.take(sample, dt_s)
+        state = self._after_gap(state, dt_s)
         after = state if self.standing == Standing.ASIDE else self._stepped(one, state, dt_s, sample, inputs)
         self.moments.append(Moment(sample.t_ns, dt_s, sample, inputs, state, after))
         if self.standing != Standing.ASIDE:
             self._watch_field(after, sample)
+            self._check_rest(one)
         return after
+
+    def _after_gap(self, state: FilterState, dt_s: float) -> FilterState:
+        """The state less sure of its attitude after a gap, in which the vehicle may have turned."""
+        is_gap = dt_s > max(GAP_S, GAP_STEPS * self._usual_s) and self._usual_s > 0.0
+        self._usual_s += (dt_s - self._usual_s) * (USUAL_SHARE if self._usual_s > 0.0 else 1.0)
+        return with_variance_added(state, attitude=(GAP_RATE * dt_s) ** 2) if is_gap else state
 
     def _stepped(
         self, one: AttitudeFilter, state: FilterState, dt_s: float, sample: ImuSample, inputs: FilterInputs
@@ -112,6 +131,12 @@ class LaneWatch(Stepper):
             if record is not None:
                 self._record(record, sample)
         return after
+
+    def _check_rest(self, one: AttitudeFilter) -> None:
+        """Begin again where the vehicle stands in another attitude."""
+        moment = self.moments.newest
+        if moment is not None and isinstance(one, VelocityAided) and self.rest.take(moment):
+            self.adopt(self.rest.begun_again(one, moment.state))
 
     def _tuned(self, one: VelocityAided) -> VelocityAided:
         """The filter with the sensor's noise; it is made anew when either changes."""

@@ -8,14 +8,20 @@ from collections.abc import Sequence
 from math import hypot
 from typing import Final
 
-from attest_mav.algebra import heading_between, tilt_between
+from attest_mav.algebra import heading_between, sub, tilt_between
 from attest_mav.estimation.events import LaneEvent, LaneEventKind
 from attest_mav.estimation.witness.candidate import DELAY_SIGMA, Candidate, Explanation, Hypothesis
 from attest_mav.estimation.witness.challenger import Challenge, Challenger
 from attest_mav.estimation.witness.coasting import Coasting
 from attest_mav.estimation.witness.contradiction import Contradiction, run_again
 from attest_mav.estimation.witness.doubt import FIELD_LEAST, FIELD_USUALS, Doubt
-from attest_mav.estimation.witness.flight_state import with_variance_added, with_velocity_unknown
+from attest_mav.estimation.witness.flight_state import (
+    accel_bias,
+    gyro_bias,
+    on_another_sensor,
+    with_variance_added,
+    with_velocity_unknown,
+)
 from attest_mav.estimation.witness.lane_watch import LaneWatch
 from attest_mav.estimation.witness.moments import Moment
 from attest_mav.filters.base import FilterState
@@ -202,8 +208,7 @@ class ReceiverMonitor:
             return []
         if shown == Challenge.FAR:
             for lane in lanes:
-                if lane is selected:
-                    lane.adopt(challenger.state)
+                _take_over(lane, selected, challenger.state)
             self.coasting = self._challenger = None
             text = "the receiver is used again: a filter begun anew fits it, the attitude did not"
             return [_event(selected, moment, LaneEventKind.RECEIVER_USED, text)]
@@ -230,6 +235,16 @@ def _again(hypothesis: Hypothesis, contradiction: Contradiction, lane: LaneWatch
     if lane.filter is None:
         return None
     return run_again(hypothesis, lane, lane.filter, contradiction.contradicted_ns, contradiction.shift_s)
+
+
+def _take_over(lane: LaneWatch, selected: LaneWatch, state: FilterState) -> None:
+    """A lane goes on from a state of the selected one, with its own biases."""
+    own, theirs, newest = lane.state, selected.state, lane.moments.newest
+    if lane is selected or own is None or theirs is None or newest is None:
+        lane.adopt(state)
+        return
+    gyro, accel = sub(gyro_bias(own), gyro_bias(theirs)), sub(accel_bias(own), accel_bias(theirs))
+    lane.adopt(on_another_sensor(state, gyro, accel, newest.sample, 0.0))
 
 
 def _words(best: Candidate) -> str:
