@@ -73,6 +73,10 @@ class Pipeline:
         self._check = AttitudeCheck(settings.verdict)
         self._witness = Witness() if isinstance(attitude_filter, VelocityAided) else None
 
+    def takes(self, source: str) -> bool:
+        """Whether the stream of this name is one of the lanes."""
+        return source in self._sources
+
     @property
     def publishes(self) -> bool:
         """Whether ``estimate`` may be published: it is certain enough, and nothing speaks against it."""

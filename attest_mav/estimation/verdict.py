@@ -37,7 +37,8 @@ REASONS: Final = (
     "no-reference",
 )
 """The codes of ``Verdict.reason``. settling: a difference has not lasted long enough to count, or an offset is being
-measured. disputed: our own attitudes differ on it. doubted: all of ours were contradicted just now. offset: a steady one, as a trim that is not known makes it."""
+measured. disputed: our own attitudes differ on it. doubted: all of ours were contradicted just now. offset: a steady
+one, as a trim that is not known makes it."""
 
 TILT_SIGMAS: Final = 2.0
 HEADING_SIGMAS: Final = 3.0

@@ -7,15 +7,17 @@ from attest_mav.estimation.witness.field_watch import FieldWatch
 from attest_mav.estimation.witness.flight_state import (
     FixRecord,
     field_direction,
+    has_field_reading,
     navigation_of,
     shifted,
     used_fix,
-    with_variance_added,
+    with_added_variance,
+    with_delay_variance,
     with_velocity_unknown,
 )
-from attest_mav.estimation.witness.lane_watch import with_fix
 from attest_mav.estimation.witness.moments import Moment
 from attest_mav.filters.base import FilterState
+from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.types import VelocitySample
 
@@ -65,23 +67,24 @@ class Hypothesis:
         """What it costs to believe it."""
         return 0.0 if self.kind == Explanation.RECEIVER else COST
 
-    def begun(self, state: FilterState) -> FilterState:
+    def begun(self, one: VelocityAided, state: FilterState) -> FilterState:
         """The state that begins to believe it."""
         if self.kind == Explanation.OFFSET:
-            return with_velocity_unknown(state)
+            return with_velocity_unknown(one, state)
         if self.kind == Explanation.LATE:
-            return with_variance_added(state, fix_delay=DELAY_SIGMA**2)
+            return with_delay_variance(one, state, DELAY_SIGMA**2)
         if self.kind == Explanation.GYROS:
-            return with_variance_added(state, gyro_bias=GYRO_STEP**2)
+            return with_added_variance(one, state, ErrorBlock.GYRO_BIAS, GYRO_STEP**2)
         if self.kind == Explanation.ACCELEROMETERS:
-            return with_variance_added(state, accel_bias=ACCEL_STEP**2)
+            return with_added_variance(one, state, ErrorBlock.ACCEL_BIAS, ACCEL_STEP**2)
         return state
 
 
 class Candidate:
     """A filter that runs under a hypothesis.
 
-    state: at the moment before the first one that it takes. shift_s: by which fixes are older before it. scored_from_ns: from then on it is scored. limit: of the normalised innovation squared of a fix,
+    state: at the moment before the first one that it takes. shift_s: by which fixes are older than they say before
+    the hypothesis. scored_from_ns: from then on it is scored. limit: of the normalised innovation squared of a fix,
     beyond which it is refuted. field: of the lane, for its mean.
     """
 
@@ -112,14 +115,14 @@ class Candidate:
         """Go on to the next moment."""
         if not self._begun and moment.t_ns >= self.hypothesis.from_ns:
             self._begun = True
-            self.state = self.hypothesis.begun(self.state)
+            self.state = self.hypothesis.begun(one, self.state)
         fix = moment.inputs.velocity
         is_new = fix is not None and fix.t_ns != self._fix_ns
         if fix is not None and is_new:
             self._fix_ns = fix.t_ns
             if self._begun:
                 self._shift_s = self.hypothesis.shift_s
-        self.state = one.step(self.state, moment.dt_s, moment.sample, with_fix(moment.inputs, self._given(fix)))
+        self.state = one.step(self.state, moment.dt_s, moment.sample, moment.inputs.with_velocity(self._given(fix)))
         if moment.t_ns >= self._scored_from_ns:
             self._score_fix(is_new, one)
             self._score_field(moment)
@@ -151,9 +154,6 @@ class Candidate:
         return record
 
     def _score_field(self, moment: Moment) -> None:
-        navigation = navigation_of(self.state)
-        if navigation is None or navigation.magnetometer.since_reading_s > 0.0:
-            return
-        direction = field_direction(self.state, moment.sample)
+        direction = field_direction(self.state, moment.sample) if has_field_reading(self.state) else None
         if direction is not None:
             self.score += self._field.score_of(self._field.residual_of(direction))

@@ -8,7 +8,6 @@ from typing import Final
 from attest_mav.algebra import heading_between, tilt_between
 from attest_mav.estimation.witness.field_watch import FieldWatch
 from attest_mav.estimation.witness.flight_state import field_direction, navigation_of, shifted, used_fix
-from attest_mav.estimation.witness.lane_watch import with_fix
 from attest_mav.estimation.witness.moments import Moment
 from attest_mav.filters.base import FilterState, Start
 from attest_mav.filters.velocity_aided.filter import VelocityAided
@@ -34,6 +33,7 @@ REFUTED_USUALS: Final = 4.0
 TWICE: Final = 2.0
 """where the challenger's is smaller by this factor."""
 FIELD_SHARE: Final = 0.1
+NIS_SHARE: Final = 0.1
 
 
 class Challenge(IntEnum):
@@ -53,6 +53,8 @@ class Challenger:
         self.state: FilterState | None = None
         self.fits = 0
         """Fixes in a row that fit."""
+        self.mean_nis = 0.0
+        """Running mean of the normalised innovation squared of its fixes."""
         self.residual = 0.0
         """Mean residual of the field."""
         self._shift_s: Final = shift_s
@@ -61,7 +63,7 @@ class Challenger:
 
     def take(self, one: VelocityAided, moment: Moment, field: FieldWatch) -> None:
         """Go on to the next moment."""
-        begun = VelocityAided(replace(one.parameters, gyro_bias_sigma=BIAS_SIGMA))
+        begun = replace(one, parameters=replace(one.parameters, gyro_bias_sigma=BIAS_SIGMA))
         if self.state is None:
             sample = moment.sample
             start = Start(moment.state.q_nb, self._bias, North.RELATIVE, sample.accel, sample.mag, False)
@@ -69,7 +71,7 @@ class Challenger:
             return
         fix = moment.inputs.velocity
         shown = None if fix is None else shifted(fix, self._shift_s)
-        self.state = begun.step(self.state, moment.dt_s, moment.sample, with_fix(moment.inputs, shown))
+        self.state = begun.step(self.state, moment.dt_s, moment.sample, moment.inputs.with_velocity(shown))
         self._count()
         direction = field_direction(self.state, moment.sample)
         if direction is not None:
@@ -84,6 +86,7 @@ class Challenger:
         if record is not None and record.t_ns != self._used_ns:
             self._used_ns = record.t_ns
             self.fits = self.fits + 1 if record.nis < FIT_NIS else 0
+            self.mean_nis += NIS_SHARE * (min(record.nis, FIT_NIS) - self.mean_nis)
 
     def shows(self, lane: FilterState, field: FieldWatch, lane_residual: float) -> Challenge:
         """What it shows beside a lane of which the field's mean residual is given."""

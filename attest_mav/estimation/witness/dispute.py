@@ -7,7 +7,7 @@ nothing of the inertial sensors.
 from typing import Final
 
 from attest_mav.algebra import sub
-from attest_mav.estimation.witness.flight_state import accel_bias, gyro_bias
+from attest_mav.estimation.witness.flight_state import accel_bias
 from attest_mav.estimation.witness.lane_watch import LaneWatch
 from attest_mav.estimation.witness.pair import (
     Contrast,
@@ -119,7 +119,7 @@ class LanePair:
         dispute = self.dispute
         if self.contrast.differs:
             if dispute is None:
-                gyro, accel = sub(gyro_bias(a), gyro_bias(b)), sub(accel_bias(a), accel_bias(b))
+                gyro, accel = sub(a.gyro_bias, b.gyro_bias), sub(accel_bias(a), accel_bias(b))
                 fix_ns = -1 if self.first.fix is None else self.first.fix.t_ns
                 dispute = Dispute(now_ns, now_ns, 0.0, fix_ns, now_ns, gyro, accel)
             self.dispute = dispute.seen(now_ns)
@@ -173,7 +173,7 @@ class LanePair:
         if healthy is None or not self.recent.spans or aside.dead.reason:
             self._differed_ns = now_ns
             return False
-        gyro, accel = sub(aside.gyro_bias, gyro_bias(healthy)), sub(aside.accel_bias, accel_bias(healthy))
+        gyro, accel = sub(aside.gyro_bias, healthy.gyro_bias), sub(aside.accel_bias, accel_bias(healthy))
         if aside is self.second:
             gyro, accel = (-gyro[0], -gyro[1], -gyro[2]), (-accel[0], -accel[1], -accel[2])
         if contrast(self.recent.difference(), gyro, accel).differs:

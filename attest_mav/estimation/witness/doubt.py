@@ -4,11 +4,8 @@ from typing import Final
 
 FIX_DOUBT_NS: Final = 600_000_000
 """After a fix that is beyond half of the gate on all lanes."""
-FIELD_DOUBT_NS: Final = 1_500_000_000
+FIELD_DOUBT_NS: Final = 1_400_000_000
 """The first time of a field residual; one that stays is the field's own."""
-FIELD_LEAST: Final = 0.02
-FIELD_USUALS: Final = 3.0
-"""Limits of the residual of the whole field vector."""
 FIELD_CLEAR_NS: Final = 2_000_000_000
 """A residual that was absent for so long is a new one when it comes again."""
 PROBATION_FIXES: Final = 10

@@ -1,6 +1,5 @@
 """The whole field vector in NED beside its mean: two of three gyro axes show in it, ten times a second."""
 
-from math import inf
 from typing import Final
 
 from attest_mav.algebra import add, norm, scale, sub
@@ -57,10 +56,6 @@ class FieldWatch:
         """Evidence against an attitude in a residual."""
         share = residual / max(LEAST_NOISE, 2.0 * self.usual)
         return 0.25 * min(share * share, LARGEST_SQUARE)
-
-    def exceeds(self, least: float, usuals: float) -> bool:
-        """True while the newest residual is beyond a limit and beyond so many usual ones."""
-        return self.t_ns >= 0 and self.residual > max(least, usuals * self.usual) and self.residual < inf
 
     def like(self, other: "FieldWatch") -> None:
         """Go on from what another lane of the same vehicle has seen."""

@@ -55,6 +55,10 @@ class FixStream:
         self._velocity = fix.v_ned
         return True
 
+    def expect(self, nis: float) -> None:
+        """From now on this is usual, if it is more: the receiver has turned out noisier."""
+        self.usual_nis = max(self.usual_nis, nis)
+
     def learn(self, nis: float, innovation: Vec3) -> None:
         """A fix was used in good times."""
         size = min(hypot(innovation[0], innovation[1]), LARGEST_USUALS * self.usual_innovation)

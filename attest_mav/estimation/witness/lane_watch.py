@@ -1,5 +1,6 @@
 """One lane under watch: it takes its filter's steps, with or without the fix, and remembers the last seconds."""
 
+from math import hypot
 from typing import Final
 
 from attest_mav.estimation.stepper import Stepper
@@ -9,11 +10,11 @@ from attest_mav.estimation.witness.fix_stream import FixStream
 from attest_mav.estimation.witness.flight_state import (
     FixRecord,
     field_direction,
+    has_field_reading,
     navigation_of,
     shifted,
     unused_fix,
     used_fix,
-    with_variance_added,
 )
 from attest_mav.estimation.witness.moments import Moment, Moments
 from attest_mav.estimation.witness.rest_check import RestCheck
@@ -21,14 +22,14 @@ from attest_mav.estimation.witness.sensor_noise import SensorNoise
 from attest_mav.estimation.witness.situation import Situation, Standing
 from attest_mav.filters.base import AttitudeFilter, FilterInputs, FilterState
 from attest_mav.filters.velocity_aided.filter import VelocityAided
-from attest_mav.types import ImuSample, Vec3, VelocitySample
+from attest_mav.types import ImuSample, Vec3
 
-GAP_S: Final = 0.25
-GAP_STEPS: Final = 3.0
-"""A step longer than both, the second in usual steps, is a gap."""
-GAP_RATE: Final = 1.0
-"""rad/s: what a vehicle may turn by in it."""
-USUAL_SHARE: Final = 0.1
+
+FIELD_LEAST: Final = 0.02
+FIELD_USUALS: Final = 3.0
+FIELD_SIGMAS: Final = 2.0
+"""The field's residual contradicts the attitude beyond this share of the field, so many usual residuals, and so many
+sigmas of the attitude."""
 
 
 class LaneWatch(Stepper):
@@ -60,7 +61,6 @@ class LaneWatch(Stepper):
         """Time of the sample at which it was last looked at."""
         self._noise_in_use: SensorNoise | None = None
         self._refused_ns = -1
-        self._usual_s = 0.0
         self._adopted: FilterState | None = None
 
     @property
@@ -74,6 +74,15 @@ class LaneWatch(Stepper):
         """True while the filter has an attitude."""
         return navigation_of(self.state) is not None
 
+    @property
+    def field_fits(self) -> bool:
+        """False while the whole field is off by more than usual, and by more than the attitude's sigmas explain."""
+        state = self.state
+        if state is None or self.field.t_ns < 0:
+            return True
+        explained = FIELD_SIGMAS * hypot(state.tilt_sigma, state.heading_sigma)
+        return self.field.residual <= max(FIELD_LEAST, FIELD_USUALS * self.field.usual, explained)
+
     def adopt(self, state: FilterState) -> None:
         """Go on from another state of the same instant as the newest one."""
         self._adopted = state
@@ -85,19 +94,12 @@ class LaneWatch(Stepper):
         if self._adopted is not None:
             state, self._adopted = self._adopted, None
         self.dead.take(sample, dt_s)
-        state = self._after_gap(state, dt_s)
         after = state if self.standing == Standing.ASIDE else self._stepped(one, state, dt_s, sample, inputs)
         self.moments.append(Moment(sample.t_ns, dt_s, sample, inputs, state, after))
         if self.standing != Standing.ASIDE:
             self._watch_field(after, sample)
             self._check_rest(one)
         return after
-
-    def _after_gap(self, state: FilterState, dt_s: float) -> FilterState:
-        """The state less sure of its attitude after a gap, in which the vehicle may have turned."""
-        is_gap = dt_s > max(GAP_S, GAP_STEPS * self._usual_s) and self._usual_s > 0.0
-        self._usual_s += (dt_s - self._usual_s) * (USUAL_SHARE if self._usual_s > 0.0 else 1.0)
-        return with_variance_added(state, attitude=(GAP_RATE * dt_s) ** 2) if is_gap else state
 
     def _stepped(
         self, one: AttitudeFilter, state: FilterState, dt_s: float, sample: ImuSample, inputs: FilterInputs
@@ -114,7 +116,7 @@ class LaneWatch(Stepper):
             fix = shifted(fix, situation.fix_shift_s)
         usable = fix is not None and situation.receiver_used and not self.fixes.frozen
         if usable and fix is not None and fix.t_ns != self._refused_ns:
-            after = one.step(state, dt_s, sample, with_fix(inputs, fix))
+            after = one.step(state, dt_s, sample, inputs.with_velocity(fix))
             record = used_fix(after)
             if record is None or (self.fix is not None and record.t_ns == self.fix.t_ns):
                 return after
@@ -124,10 +126,10 @@ class LaneWatch(Stepper):
                     self.fixes.learn(record.nis, record.innovation)
                 return after
             self._refused_ns = fix.t_ns
-            return one.step(state, dt_s, sample, with_fix(inputs, None))
-        after = one.step(state, dt_s, sample, with_fix(inputs, None))
+            return one.step(state, dt_s, sample, inputs.with_velocity(None))
+        after = one.step(state, dt_s, sample, inputs.with_velocity(None))
         if is_new and fix is not None and not self.fixes.frozen:
-            record = unused_fix(after, fix, one.parameters)
+            record = unused_fix(one, after, fix)
             if record is not None:
                 self._record(record, sample)
         return after
@@ -153,27 +155,6 @@ class LaneWatch(Stepper):
 
     def _watch_field(self, state: FilterState, sample: ImuSample) -> None:
         """Compare the direction of a new reading with the usual one."""
-        navigation = navigation_of(state)
-        if navigation is None or navigation.magnetometer.since_reading_s > 0.0:
-            return
-        direction = field_direction(state, sample)
+        direction = field_direction(state, sample) if has_field_reading(state) else None
         if direction is not None:
             self.field.take(direction, sample.t_ns, self.situation.calm)
-
-
-def with_fix(inputs: FilterInputs, fix: VelocitySample | None) -> FilterInputs:
-    """The inputs with this fix in place of theirs, or with none."""
-    if fix is inputs.velocity:
-        return inputs
-    return FilterInputs(
-        inputs.body_velocity,
-        inputs.stationary,
-        inputs.latitude,
-        inputs.declination,
-        fix,
-        inputs.heading,
-        inputs.inclination,
-        inputs.airspeed,
-        inputs.goes_where_it_points,
-        inputs.zero_mean_velocity,
-    )

@@ -5,7 +5,7 @@ from math import degrees, hypot, radians, sqrt
 from typing import Final
 
 from attest_mav.algebra import add, heading_between, norm, scale, sub, tilt_between
-from attest_mav.estimation.witness.flight_state import accel_bias, gyro_bias
+from attest_mav.estimation.witness.flight_state import accel_bias
 from attest_mav.filters.base import FilterState
 from attest_mav.types import Vec3
 
@@ -147,9 +147,7 @@ def contrast(difference: Difference, gyro_offset: Vec3, accel_offset: Vec3) -> C
 
 def contrast_of_states(difference: Difference, first: FilterState, second: FilterState) -> Contrast:
     """Readings and attitudes of two lanes that both have one."""
-    readings = contrast(
-        difference, sub(gyro_bias(first), gyro_bias(second)), sub(accel_bias(first), accel_bias(second))
-    )
+    readings = contrast(difference, sub(first.gyro_bias, second.gyro_bias), sub(accel_bias(first), accel_bias(second)))
     tilt = tilt_between(first.q_nb, second.q_nb)
     heading = abs(heading_between(first.q_nb, second.q_nb))
     apart = tilt > max(TILT_LIMIT, SIGMAS * hypot(first.tilt_sigma, second.tilt_sigma)) or heading > max(

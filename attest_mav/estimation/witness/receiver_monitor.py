@@ -14,17 +14,18 @@ from attest_mav.estimation.witness.candidate import DELAY_SIGMA, Candidate, Expl
 from attest_mav.estimation.witness.challenger import Challenge, Challenger
 from attest_mav.estimation.witness.coasting import Coasting
 from attest_mav.estimation.witness.contradiction import Contradiction, run_again
-from attest_mav.estimation.witness.doubt import FIELD_LEAST, FIELD_USUALS, Doubt
+from attest_mav.estimation.witness.doubt import Doubt
 from attest_mav.estimation.witness.flight_state import (
     accel_bias,
-    gyro_bias,
     on_another_sensor,
-    with_variance_added,
+    with_added_variance,
+    with_delay_variance,
     with_velocity_unknown,
 )
 from attest_mav.estimation.witness.lane_watch import LaneWatch
 from attest_mav.estimation.witness.moments import Moment
 from attest_mav.filters.base import FilterState
+from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 
 JOINT_GATES: Final = 0.7
@@ -109,8 +110,7 @@ class ReceiverMonitor:
         return [_event(selected, moment, LaneEventKind.CONTRADICTED, text)]
 
     def _on_probation(self, selected: LaneWatch) -> None:
-        fits = not selected.field.exceeds(FIELD_LEAST, FIELD_USUALS)
-        self._doubt.fix_on_probation(_size(selected), selected.fixes.usual_innovation, fits)
+        self._doubt.fix_on_probation(_size(selected), selected.fixes.usual_innovation, selected.field_fits)
 
     def _decide(
         self,
@@ -184,9 +184,9 @@ class ReceiverMonitor:
             return self._return(selected, lanes, moment, f"late by {late.shift_s:.2f} s", DELAY_SIGMA**2)
         if late is not None and late.is_suspected:
             return []
-        if coasting.is_steady(not selected.field.exceeds(FIELD_LEAST, FIELD_USUALS)):
+        if coasting.is_steady(selected.field_fits):
             return self._return(selected, lanes, moment, "steady", 0.0)
-        return self._answer(selected, lanes, moment)
+        return self._answer(selected, lanes, one, moment)
 
     def _challenge(self, coasting: Coasting, selected: LaneWatch, one: VelocityAided, moment: Moment) -> None:
         """Take the challenger on; it is begun at once, or later where the accelerometers did it."""
@@ -198,7 +198,9 @@ class ReceiverMonitor:
         self._challenger.take(one, moment, selected.field)
         self._lane_residual += RESIDUAL_SHARE * (selected.field.residual - self._lane_residual)
 
-    def _answer(self, selected: LaneWatch, lanes: Sequence[LaneWatch], moment: Moment) -> list[LaneEvent]:
+    def _answer(
+        self, selected: LaneWatch, lanes: Sequence[LaneWatch], one: VelocityAided, moment: Moment
+    ) -> list[LaneEvent]:
         """Act on what the challenger shows."""
         challenger, state = self._challenger, selected.state
         if challenger is None or challenger.state is None or state is None:
@@ -208,14 +210,15 @@ class ReceiverMonitor:
             return []
         if shown == Challenge.FAR:
             for lane in lanes:
-                _take_over(lane, selected, challenger.state)
+                _take_over(one, lane, selected, challenger.state)
             self.coasting = self._challenger = None
             text = "the receiver is used again: a filter begun anew fits it, the attitude did not"
             return [_event(selected, moment, LaneEventKind.RECEIVER_USED, text)]
         apart = _apart(challenger.state, state)
         for lane in lanes:
+            lane.fixes.expect(challenger.mean_nis)
             if lane.state is not None:
-                lane.adopt(with_variance_added(lane.state, attitude=0.5 * apart * apart))
+                lane.adopt(with_added_variance(one, lane.state, ErrorBlock.ATTITUDE, 0.5 * apart * apart))
         return self._return(selected, lanes, moment, "right by a filter begun anew", 0.0)
 
     def _return(
@@ -223,8 +226,9 @@ class ReceiverMonitor:
     ) -> list[LaneEvent]:
         """All lanes use the receiver again; nothing is known of the velocity, or of its error."""
         for lane in lanes:
-            if lane.state is not None:
-                lane.adopt(with_variance_added(with_velocity_unknown(lane.state), fix_delay=delay_variance))
+            if lane.state is not None and lane.filter is not None:
+                free = with_velocity_unknown(lane.filter, lane.state)
+                lane.adopt(with_delay_variance(lane.filter, free, delay_variance))
         self.coasting = self._challenger = None
         text = f"the receiver is used again: its velocity is {words}"
         return [_event(selected, moment, LaneEventKind.RECEIVER_USED, text)]
@@ -237,14 +241,14 @@ def _again(hypothesis: Hypothesis, contradiction: Contradiction, lane: LaneWatch
     return run_again(hypothesis, lane, lane.filter, contradiction.contradicted_ns, contradiction.shift_s)
 
 
-def _take_over(lane: LaneWatch, selected: LaneWatch, state: FilterState) -> None:
+def _take_over(one: VelocityAided, lane: LaneWatch, selected: LaneWatch, state: FilterState) -> None:
     """A lane goes on from a state of the selected one, with its own biases."""
-    own, theirs, newest = lane.state, selected.state, lane.moments.newest
-    if lane is selected or own is None or theirs is None or newest is None:
+    own, theirs = lane.state, selected.state
+    if lane is selected or own is None or theirs is None:
         lane.adopt(state)
         return
-    gyro, accel = sub(gyro_bias(own), gyro_bias(theirs)), sub(accel_bias(own), accel_bias(theirs))
-    lane.adopt(on_another_sensor(state, gyro, accel, newest.sample, 0.0))
+    gyro, accel = sub(own.gyro_bias, theirs.gyro_bias), sub(accel_bias(own), accel_bias(theirs))
+    lane.adopt(on_another_sensor(one, state, gyro, accel, 0.0))
 
 
 def _words(best: Candidate) -> str:

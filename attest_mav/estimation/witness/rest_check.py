@@ -7,7 +7,7 @@ row of its own brings it back soon. It begins again.
 from math import hypot, radians
 from typing import Final
 
-from attest_mav.algebra import add, heading_between, is_finite, norm, scale, sub, tilt_between
+from attest_mav.algebra import add, heading_between, is_finite, norm, scale, sub, tilt_between, wrap_pi
 from attest_mav.estimation.alignment import ecompass
 from attest_mav.estimation.witness.flight_state import navigation_of
 from attest_mav.estimation.witness.moments import Moment
@@ -100,10 +100,10 @@ class RestCheck:
         navigation = navigation_of(state)
         if navigation is None or self._mag is None or north == North.RELATIVE:
             return False
-        usual = navigation.magnetometer.usual_strength
-        if abs(norm(self._mag) - usual) > FIELD_SHARE * usual:
+        usual = navigation.magnetometer.usual
+        if usual is None or abs(norm(self._mag) - usual.strength) > FIELD_SHARE * usual.strength:
             return False
-        heading = abs(heading_between(state.q_nb, plain) - navigation.declination)
+        heading = abs(wrap_pi(heading_between(state.q_nb, plain) - navigation.assumed_declination))
         return heading > max(OFF_HEADING, OFF_SIGMAS * state.heading_sigma)
 
 

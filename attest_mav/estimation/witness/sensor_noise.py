@@ -29,4 +29,4 @@ class SensorNoise:
     def of(self, one: VelocityAided) -> VelocityAided:
         """The filter with this noise."""
         parameters = replace(one.parameters, accel_noise=self.accel, gyro_noise=self.gyro, gyro_aliasing=self.aliasing)
-        return VelocityAided(parameters, one.low_pass_from_vehicle, one.fix_delay_from_vehicle)
+        return replace(one, parameters=parameters)

@@ -10,8 +10,8 @@ from typing import Final
 from attest_mav.estimation.events import LaneEvent, LaneEventKind
 from attest_mav.estimation.verdict import Member
 from attest_mav.estimation.witness.dispute import LanePair
-from attest_mav.estimation.witness.doubt import FIELD_LEAST, FIELD_USUALS, Doubt
-from attest_mav.estimation.witness.flight_state import accel_bias, gyro_bias, on_another_sensor
+from attest_mav.estimation.witness.doubt import Doubt
+from attest_mav.estimation.witness.flight_state import accel_bias, on_another_sensor
 from attest_mav.estimation.witness.lane_watch import LaneWatch
 from attest_mav.estimation.witness.members import candidate_member, is_near, lane_member
 from attest_mav.estimation.witness.moments import Moment
@@ -72,7 +72,7 @@ class Witness:
         self._select()
         selected = self._lanes[self.selected]
         if lane is selected and lane.standing == Standing.GOOD:
-            disputed = any([pair.dispute is not None for pair in self._pairs])
+            disputed = any(pair.dispute is not None for pair in self._pairs)
             events += self._receiver.take(lane, self._good(), disputed)
             self._doubt_by_field(moment)
             self._form_set(lane, moment, disputed)
@@ -133,8 +133,8 @@ class Witness:
 
     def _follow_noise(self, pair: LanePair) -> None:
         """A fault is no noise: only in good order do both lanes take what their sensors differ by."""
-        in_order = all([lane.standing == Standing.GOOD and not lane.dead.reason for lane in self._lanes.values()])
-        if in_order and all([one.dispute is None for one in self._pairs]):
+        in_order = all(lane.standing == Standing.GOOD and not lane.dead.reason for lane in self._lanes.values())
+        if in_order and all(one.dispute is None for one in self._pairs):
             follow_noise(pair, pair.first)
             follow_noise(pair, pair.second)
 
@@ -154,7 +154,7 @@ class Witness:
         lane.standing = Standing.ASIDE
         before = lane.moments.oldest
         if before is not None:
-            lane.gyro_bias, lane.accel_bias = gyro_bias(before.state), accel_bias(before.state)
+            lane.gyro_bias, lane.accel_bias = before.state.gyro_bias, accel_bias(before.state)
         self._end_disputes(lane)
         for pair in self._pairs:
             if pair.has(lane):
@@ -170,11 +170,11 @@ class Witness:
 
     def _take_back(self, aside: LaneWatch, pair: LanePair, events: list[LaneEvent]) -> None:
         """A sensor is well again: its filter goes on from the healthy one's state."""
-        healthy, newest = pair.other(aside).state, aside.moments.newest
-        if healthy is None or newest is None:
+        healthy, one, newest = pair.other(aside).state, pair.other(aside).filter, aside.moments.newest
+        if healthy is None or one is None or newest is None:
             return
         more = pair.reads_more(aside)
-        aside.adopt(on_another_sensor(healthy, more.gyro, more.accel, newest.sample, RETURN_BIAS**2))
+        aside.adopt(on_another_sensor(one, healthy, more.gyro, more.accel, RETURN_BIAS**2))
         aside.standing = Standing.GOOD
         pair.end()
         events.append(_event(aside, newest, LaneEventKind.RETURNED, "reads like the other sensor again: it is used"))
@@ -189,7 +189,7 @@ class Witness:
 
     def _doubt_by_field(self, moment: Moment) -> None:
         good = self._good()
-        if good and all([lane.field.exceeds(FIELD_LEAST, FIELD_USUALS) for lane in good]):
+        if good and not any(lane.field_fits for lane in good):
             self._doubt.field_contradicts(moment.t_ns)
 
     def _form_set(self, selected: LaneWatch, moment: Moment, disputed: bool) -> None:
@@ -204,13 +204,13 @@ class Witness:
         self.members = tuple(members)
         self._doubted = self._doubt.active(moment.t_ns) or bool(selected.dead.reason)
         state = moment.state
-        together = not (disputed or candidates) or all([is_near(state, member) for member in members])
+        together = not (disputed or candidates) or all(is_near(state, member) for member in members)
         self.publishes = state.tilt_sigma < PUBLISHED_TILT and not self._doubted and together
 
     def _set_situation(self) -> None:
         """Tell every lane what to do with fixes, where that has changed."""
         receiver = self._receiver
-        calm = receiver.contradiction is None and all([pair.dispute is None for pair in self._pairs])
+        calm = receiver.contradiction is None and all(pair.dispute is None for pair in self._pairs)
         for lane in self._lanes.values():
             known = lane.situation
             if (known.calm, known.receiver_used, known.fix_shift_s) != (calm, receiver.is_used, receiver.shift_s):

@@ -4,7 +4,8 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from typing import Final
 
-from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
+from attest_mav.estimation.lane import Lane
+from attest_mav.estimation.vehicle import AidSettings, Vehicle
 from attest_mav.evaluation.fault_study.recording import LaneRecording
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.replay.reference_track import Knot, interpolate
@@ -13,7 +14,6 @@ from attest_mav.types import (
     NO_TIME,
     AttitudeRole,
     AttitudeSample,
-    EarthField,
     Estimate,
     ImuSample,
     Quat,
@@ -66,9 +66,10 @@ def misled(flight: LaneRecording, samples: Sequence[Sample], lane: str, one: Att
     Its attitude is the newest one at the time of the autopilot's message; before it has one it is the autopilot's own.
     """
     recording = flight.recording
-    pipeline = Pipeline(PipelineSettings(), one.with_vehicle_settings(recording.settings), [lane])
-    found = recording.earth_field
-    pipeline.set_field(EarthField() if found is None else found.direction)
+    vehicle = Vehicle(AidSettings())
+    if recording.earth_field is not None:
+        vehicle.field = recording.earth_field.direction
+    alone = Lane(lane, one.with_vehicle_settings(recording.settings), vehicle)
     newest: Estimate | None = None
     changed: list[Sample] = []
     for sample in samples:
@@ -76,8 +77,10 @@ def misled(flight: LaneRecording, samples: Sequence[Sample], lane: str, one: Att
             autopilot = sample.role == AttitudeRole.AUTOPILOT and newest is not None
             changed.append(_at(sample, newest) if autopilot and newest is not None else sample)
             continue
-        if not isinstance(sample, ImuSample) or sample.source == lane:
-            for event in pipeline.handle(sample):
+        if not isinstance(sample, ImuSample):
+            vehicle.take(sample)
+        elif sample.source == lane:
+            for event in alone.handle(sample):
                 newest = event if isinstance(event, Estimate) else newest
         changed.append(sample)
     return changed
