@@ -3,13 +3,14 @@
 from math import hypot
 from typing import Final
 
-from attest_mav.algebra import norm
+from attest_mav.algebra import norm, sub
 from attest_mav.types import Vec3, VelocitySample
 
 FROZEN_COUNT: Final = 4
-"""So many bit-identical velocities at more than ``FROZEN_SPEED`` (m/s) under new time stamps come from a receiver that
-has frozen."""
 FROZEN_SPEED: Final = 1.0
+FROZEN_CHANGE: Final = 0.1
+"""So many bit-identical velocities of more than the first (m/s) under new time stamps come from a receiver that has
+frozen, where the filter's own velocity has changed by more than the second meanwhile."""
 LEAST_GATE: Final = 3.0
 LARGEST_GATE: Final = 12.0
 GATE_USUALS: Final = 8.0
@@ -33,6 +34,8 @@ class FixStream:
         self._newest_ns = -1
         self._velocity: Vec3 = (0.0, 0.0, 0.0)
         self._same = 1
+        self._own_velocity: Vec3 = (0.0, 0.0, 0.0)
+        self._change = 0.0
 
     @property
     def gate(self) -> float:
@@ -42,16 +45,23 @@ class FixStream:
     @property
     def frozen(self) -> bool:
         """True while the receiver repeats one velocity."""
-        return self._same >= FROZEN_COUNT and norm(self._velocity) > FROZEN_SPEED
+        return self._same >= FROZEN_COUNT and norm(self._velocity) > FROZEN_SPEED and self._change > FROZEN_CHANGE
 
-    def is_new(self, fix: VelocitySample | None, spacing_s: float) -> bool:
-        """True for the first sample that comes with this fix, unless it follows the last one too soon."""
+    def is_new(self, fix: VelocitySample | None, spacing_s: float, velocity: Vec3) -> bool:
+        """True for the first sample that comes with this fix, unless it follows the last one too soon.
+
+        velocity: the filter's own, NED, m/s.
+        """
         if fix is None or fix.t_ns == self._newest_ns:
             return False
         if 0.0 < (fix.t_ns - self._newest_ns) * 1e-9 < spacing_s - 1e-3:
             return False
         self._newest_ns = fix.t_ns
-        self._same = self._same + 1 if fix.v_ned == self._velocity else 1
+        if fix.v_ned == self._velocity:
+            self._same += 1
+        else:
+            self._same, self._own_velocity = 1, velocity
+        self._change = norm(sub(velocity, self._own_velocity))
         self._velocity = fix.v_ned
         return True
 

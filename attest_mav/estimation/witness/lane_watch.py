@@ -15,6 +15,7 @@ from attest_mav.estimation.witness.flight_state import (
     shifted,
     unused_fix,
     used_fix,
+    velocity_of,
 )
 from attest_mav.estimation.witness.moments import Moment, Moments
 from attest_mav.estimation.witness.rest_check import RestCheck
@@ -23,7 +24,6 @@ from attest_mav.estimation.witness.situation import Situation, Standing
 from attest_mav.filters.base import AttitudeFilter, FilterInputs, FilterState
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.types import ImuSample, Vec3
-
 
 FIELD_LEAST: Final = 0.02
 FIELD_USUALS: Final = 3.0
@@ -111,7 +111,7 @@ class LaneWatch(Stepper):
         if navigation_of(state) is None:
             return one.step(state, dt_s, sample, inputs)
         situation, fix = self.situation, inputs.velocity
-        is_new = self.fixes.is_new(fix, one.parameters.fix_spacing_s)
+        is_new = self.fixes.is_new(fix, one.parameters.fix_spacing_s, velocity_of(state))
         if fix is not None:
             fix = shifted(fix, situation.fix_shift_s)
         usable = fix is not None and situation.receiver_used and not self.fixes.frozen
