@@ -20,7 +20,7 @@ class Doubt:
     def __init__(self) -> None:
         self._fix_until_ns = -1
         self._field_until_ns = -1
-        self._field_seen_ns = -FIELD_CLEAR_NS
+        self._field_seen_ns = -2 * FIELD_CLEAR_NS
         self._probation = 0
         """Fixes still to come; 0 without probation."""
 

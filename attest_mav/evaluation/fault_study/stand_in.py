@@ -4,7 +4,9 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from typing import Final
 
+from attest_mav.algebra import q_exp, q_mul, scale
 from attest_mav.estimation.lane import Lane
+from attest_mav.estimation.timebase import wrapped_difference_ns
 from attest_mav.estimation.vehicle import AidSettings, Vehicle
 from attest_mav.evaluation.fault_study.recording import LaneRecording
 from attest_mav.filters.base import AttitudeFilter
@@ -63,7 +65,7 @@ def always_right(flight: LaneRecording, samples: Sequence[Sample]) -> list[Sampl
 def misled(flight: LaneRecording, samples: Sequence[Sample], lane: str, one: AttitudeFilter) -> list[Sample]:
     """The samples with an autopilot that is a filter on one inertial stream, faults and all.
 
-    Its attitude is the newest one at the time of the autopilot's message; before it has one it is the autopilot's own.
+    Before that filter has an attitude it is the autopilot's own.
     """
     recording = flight.recording
     vehicle = Vehicle(AidSettings())
@@ -87,19 +89,10 @@ def misled(flight: LaneRecording, samples: Sequence[Sample], lane: str, one: Att
 
 
 def _at(sample: AttitudeSample, estimate: Estimate) -> AttitudeSample:
-    """The attitude of an estimate under the estimate's own time."""
-    return _saying(sample, estimate.q_nb, estimate.t_ns)
+    """The attitude of an estimate, carried to the time of the sample."""
+    apart_s = wrapped_difference_ns(sample.t_ns, estimate.t_ns) * 1e-9
+    return _saying(sample, q_mul(estimate.q_nb, q_exp(scale(estimate.rates, 0.5 * apart_s))))
 
 
-def _saying(sample: AttitudeSample, q_nb: Quat, t_ns: int | None = None) -> AttitudeSample:
-    return AttitudeSample(
-        sample.source,
-        sample.system,
-        sample.component,
-        sample.t_ns if t_ns is None else t_ns,
-        sample.rx_ns,
-        q_nb,
-        sample.rates,
-        sample.role,
-        sample.form,
-    )
+def _saying(sample: AttitudeSample, q_nb: Quat) -> AttitudeSample:
+    return sample.with_attitude(q_nb, frame_known=True)
