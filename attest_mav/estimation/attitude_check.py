@@ -45,9 +45,11 @@ class AttitudeCheck:
         source.rx_ns = sample.rx_ns
         return self._chosen(self.judge.judge(sample))
 
-    def take_estimate(self, estimate: Estimate, members: Sequence[Member] = ()) -> list[Verdict]:
-        """Take our newest attitude; the verdicts on attitudes that waited for it."""
-        return self._chosen(self.judge.take_estimate(estimate, members))
+    def take_estimate(
+        self, estimate: Estimate, members: Sequence[Member] = (), *, doubts: bool = False
+    ) -> list[Verdict]:
+        """Take our newest attitude, see ``Judge.take_estimate``; the verdicts on attitudes that waited for it."""
+        return self._chosen(self.judge.take_estimate(estimate, members, doubts=doubts))
 
     def undecided(self, reason: str, now_ns: int) -> Verdict:
         """There is no verdict any more, for this reason."""

@@ -25,6 +25,18 @@ class LaneEventKind(IntEnum):
     """No magnetometer for 10 s: the heading is dead-reckoned."""
     HEADING_FOUND = 7
     """The magnetometer is back."""
+    DISPUTED = 8
+    """Two inertial sensors, or the attitudes on them, differ by more than they should."""
+    FAULTY = 9
+    """The sensor is at fault: it is set aside, and the text says what is wrong with it."""
+    RETURNED = 10
+    """A sensor that was set aside reads like the others again, and is used."""
+    CONTRADICTED = 11
+    """A velocity fix contradicts all lanes: none is used until an explanation is found."""
+    EXPLAINED = 12
+    """The explanation that is believed: a receiver that makes no sense, is off or late, or sensors that stepped."""
+    RECEIVER_USED = 13
+    """The receiver makes sense again."""
 
 
 class LaneEvent:

@@ -10,11 +10,12 @@ from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind
 from attest_mav.estimation.filter_run import FilterRun, field_heading
 from attest_mav.estimation.lane_inputs import LaneInputs
 from attest_mav.estimation.sensors import FreezeDetector, StuckMagnetometer
+from attest_mav.estimation.stepper import Stepper
 from attest_mav.estimation.timebase import StepKind, TimeBase, TimeStep
 from attest_mav.estimation.vehicle import Vehicle
 from attest_mav.filters.base import AttitudeFilter, FilterState, Start
 from attest_mav.plausible import is_force
-from attest_mav.types import ImuSample, North
+from attest_mav.types import ImuSample, North, Quat
 
 HEADING_MEMORY_S: Final = 10.0
 """Without a magnetometer for longer the heading is dead-reckoned, and no longer referred to north."""
@@ -23,13 +24,15 @@ HEADING_CAPTURE: Final = 0.09
 
 
 class Lane:
-    """Samples of one source in, estimates and events out.
+    """Samples of one source in, estimates and events out. stepper: takes the filter's steps.
 
     Counters: samples (taken), repeats (same timestamp), late (out of order), gaps, restarts, rejected (not finite),
     frozen (repeated by a frozen sensor).
     """
 
-    def __init__(self, source: str, attitude_filter: AttitudeFilter, vehicle: Vehicle) -> None:
+    def __init__(
+        self, source: str, attitude_filter: AttitudeFilter, vehicle: Vehicle, stepper: Stepper | None = None
+    ) -> None:
         self.source: Final = source
         self.samples = 0
         self.repeats = 0
@@ -39,6 +42,7 @@ class Lane:
         self.rejected = 0
         self.frozen = 0
         self._vehicle: Final = vehicle
+        self._stepper: Final = Stepper() if stepper is None else stepper
         self._inputs: Final = LaneInputs(vehicle)
         self._run: Final = FilterRun(attitude_filter)
         self._run.set_vehicle_settings(vehicle.settings)
@@ -66,6 +70,10 @@ class Lane:
         """The aiding of the filter, see ``FilterState.rests_on``; "" before it runs."""
         state = self._run.state
         return "" if state is None else state.rests_on
+
+    def continue_sign(self, q_nb: Quat) -> None:
+        """Put out the quaternion of the sign that follows this one: q and -q are the same attitude."""
+        self._run.output = q_nb
 
     def use_vehicle_settings(self) -> None:
         """Give the filter the vehicle's settings as they are now; its state goes on."""
@@ -156,7 +164,8 @@ class Lane:
             return
         if not self._aligned and not run.filter.aligns_itself:
             return
-        state = run.filter.step(run.state, dt_s, sample, self._inputs.give(sample, run.output, run.north, missing))
+        inputs = self._inputs.give(sample, run.output, run.north, missing)
+        state = self._stepper.step(run.filter, run.state, dt_s, sample, inputs)
         run.state = state
         length = q_norm(state.q_nb)
         if not isfinite(length) or length < 0.5:

@@ -1,8 +1,9 @@
 """The pipeline: samples in; estimates, lane events and verdicts out. It never waits and reads no clock.
 
 Live, replay and simulation drive the same object: ``handle`` for every sample, ``poll`` when ``next_deadline_ns``
-has come. Each inertial stream is a lane of its own. The primary lane is the first of ``sources``, or where none are
-given the first stream that arrives; it alone is published and compared with the autopilot.
+has come. Each inertial stream is a lane of its own. With a velocity-aided filter the witness selects the lane that is
+published and compared with the autopilot, and says which other attitudes are not refuted; with any other filter the
+primary lane is selected: the first of ``sources``, or where none are given the first stream that arrives.
 """
 
 from collections.abc import Sequence
@@ -16,7 +17,9 @@ from attest_mav.estimation.imu_frame import ImuFrame
 from attest_mav.estimation.lane import Lane
 from attest_mav.estimation.vehicle import AidSettings, Vehicle
 from attest_mav.estimation.verdict import VerdictSettings
+from attest_mav.estimation.witness.witness import Witness
 from attest_mav.filters.base import AttitudeFilter
+from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.types import (
     AttitudeSample,
     EarthField,
@@ -68,11 +71,26 @@ class Pipeline:
         self.imu_frame: Final = ImuFrame(self.vehicle)
         """Turns the autopilot's attitudes into the frame of the inertial messages."""
         self.estimate: Estimate | None = None
-        """Newest valid estimate of the primary lane, else None. Late ones are returned by ``handle`` but not kept."""
+        """Newest valid estimate of the selected lane, else None. Late ones are returned by ``handle`` but not kept."""
         self._settings = settings
         self._filter = attitude_filter
         self._sources = list(sources)
         self._check = AttitudeCheck(settings.verdict)
+        self._witness = Witness() if isinstance(attitude_filter, VelocityAided) else None
+
+    def takes(self, source: str) -> bool:
+        """Whether the stream of this name is one of the lanes."""
+        return source in self._sources
+
+    @property
+    def publishes(self) -> bool:
+        """Whether ``estimate`` may be published: it is certain enough, and nothing speaks against it."""
+        return self.estimate is not None and (self._witness is None or self._witness.publishes)
+
+    @property
+    def selected(self) -> str:
+        """Name of the selected lane's stream, "" before one is known."""
+        return self.primary if self._witness is None else self._witness.selected
 
     @property
     def primary(self) -> str:
@@ -150,14 +168,21 @@ class Pipeline:
             return []
         lane = self.lanes.get(source)
         if lane is None:
-            lane = Lane(source, self._filter, self.vehicle)
+            stepper = None if self._witness is None else self._witness.watch(source)
+            lane = Lane(source, self._filter, self.vehicle, stepper)
             self.lanes[source] = lane
         taken, restarts = lane.samples, lane.restarts
         events = lane.handle(sample)
         if lane.restarts > restarts:
             self._forget_if_rebooted(events)
-        if source == self._sources[0] and lane.samples > taken:
-            events += self._follow_primary(events)
+        if lane.samples > taken:
+            before = self.selected
+            if self._witness is not None:
+                events += self._witness.advance(source)
+            if self.selected != before and self.estimate is not None:
+                self.lanes[self.selected].continue_sign(self.estimate.q_nb)
+            if source == self.selected:
+                events += self._follow_selected(events)
         return events
 
     def _forget_if_rebooted(self, events: list[Event]) -> None:
@@ -166,20 +191,23 @@ class Pipeline:
             if isinstance(event, LaneEvent) and event.kind == LaneEventKind.REBOOTED:
                 self.vehicle.forget_trims()
 
-    def _follow_primary(self, events: list[Event]) -> list[Event]:
-        """Take over the primary lane's new estimate; there is none while its filter aligns."""
+    def _follow_selected(self, events: list[Event]) -> list[Event]:
+        """Take over the selected lane's new estimate; there is none while its filter aligns."""
         for event in events:
             if isinstance(event, Estimate):
                 if 1e9 * event.delay_s > self._stale_ns():
                     return []
                 self.estimate = event
-                return [*self._check.take_estimate(event)]
+                witness = self._witness
+                if witness is None:
+                    return [*self._check.take_estimate(event)]
+                return [*self._check.take_estimate(event, witness.members, doubts=witness.doubts)]
         self.estimate = None
         self._check.judge.forget_estimate()
         return []
 
     def _stale_ns(self) -> int:
         """Without a sample for this long there is no estimate, ns: a slow stream has its own intervals."""
-        lane = self.lanes.get(self.primary)
+        lane = self.lanes.get(self.selected)
         usual_s = 0.0 if lane is None else lane.interval_s
         return int(_NS * max(self._settings.stale_s, STALE_INTERVALS * usual_s))

@@ -29,6 +29,7 @@ REASONS: Final = (
     "offset",
     "settling",
     "disputed",
+    "doubted",
     "heading-uncertain",
     "low-confidence",
     "low-rate",
@@ -36,8 +37,9 @@ REASONS: Final = (
     "no-reference",
 )
 """The codes of ``Verdict.reason``. settling: a difference has not lasted long enough to count, or an offset is being
-measured. disputed: our own attitudes differ on it. offset: a steady one, as a trim that is not known makes it, or a
-trim that was changed in flight: the attitudes agree but for it, and nothing tells which trim is right."""
+measured. disputed: our own attitudes differ on it. doubted: all of ours were contradicted just now. offset: a steady
+one, as a trim that is not known makes it, or a trim that was changed in flight: the attitudes agree but for it, and
+nothing tells which trim is right."""
 
 TILT_SIGMAS: Final = 2.0
 HEADING_SIGMAS: Final = 3.0
@@ -102,11 +104,18 @@ class Judge:
         """Whether the trim was changed in flight: the autopilot then levels by another attitude than at take-off."""
         self._pairing: Final = Pairing()
         self._members: tuple[Member, ...] = ()
+        self._doubts = False
         self._sources: dict[str, Reference] = {}
 
-    def take_estimate(self, estimate: Estimate, members: Sequence[Member] = ()) -> list[Verdict]:
-        """Remember the newest estimate, and the attitudes beside it that are not refuted; verdicts that waited."""
+    def take_estimate(
+        self, estimate: Estimate, members: Sequence[Member] = (), *, doubts: bool = False
+    ) -> list[Verdict]:
+        """Remember the newest estimate, and the attitudes beside it that are not refuted; verdicts that waited.
+
+        doubts: neither agreement nor disagreement can be said at present; evidence is collected all the same.
+        """
         self._members = tuple(members)
+        self._doubts = doubts
         return [self._weigh(reference) for reference in self._pairing.take(estimate)]
 
     def forget_estimate(self) -> None:
@@ -169,6 +178,8 @@ class Judge:
         """The verdict that follows from the evidence and from the differences now."""
         first = differences[0]
         off = offence or next((one.reason for one in differences if one.is_off), "")
+        if self._doubts:
+            return _verdict(Agreement.UNDECIDED, "doubted", first, source, sample)
         if source.disagrees:
             return _verdict(Agreement.DISAGREE, off or "settling", first, source, sample)
         reason = ""

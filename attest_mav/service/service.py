@@ -41,6 +41,8 @@ _WARNINGS: Final = {
     LaneEventKind.FROZEN,
     LaneEventKind.REBOOTED,
     LaneEventKind.HEADING_LOST,
+    LaneEventKind.FAULTY,
+    LaneEventKind.EXPLAINED,
 }
 _VERDICT_CODES: Final = {Agreement.AGREE: 1.0, Agreement.DISAGREE: 0.0, Agreement.UNDECIDED: -1.0}
 """The value of ATT_OK for each verdict."""
@@ -160,7 +162,7 @@ class Service:
             if sample.source == self._companion.data.primary_imu:
                 self._samples += 1
                 self._sample_ns = now_ns
-                if self._pipeline is None or self._pipeline.primary != sample.source:
+                if self._pipeline is None or not self._pipeline.takes(sample.source):
                     self._begin_pipeline(sample.source)
         elif isinstance(sample, PositionSample):
             self._vehicle.field = self._field_lookup.at(sample) or self._vehicle.field
@@ -187,7 +189,8 @@ class Service:
     def _begin_pipeline(self, source: str) -> None:
         """Run the filter on another inertial message; the record of the vehicle goes on."""
         attitude_filter = self._settings.attitude_filter
-        self._pipeline = Pipeline(self._settings.pipeline, attitude_filter, [source], self._vehicle)
+        further = [name for name in self._settings.companion.data.further_imu_messages if name != source]
+        self._pipeline = Pipeline(self._settings.pipeline, attitude_filter, [source, *further], self._vehicle)
         note = self._decoder.notes.get(source, "")
         self._notebook.info(f"using {source} with the filter {attitude_filter.name}{f' ({note})' if note else ''}")
 
@@ -195,7 +198,8 @@ class Service:
         """Publish estimates, pass verdicts on, and note the events of the lanes."""
         for event in events:
             if isinstance(event, Estimate):
-                if event is self.estimate:  # one that came too late to hold is not sent
+                # One that came too late to hold is not sent, nor one that something speaks against.
+                if event is self.estimate and self._publishes:
                     self._companion.publish(event, now_ns)
             elif isinstance(event, Verdict):
                 self.due_ns = now_ns
@@ -206,8 +210,12 @@ class Service:
                 note(f"{event.lane}: {event.text}")
                 if event.kind == LaneEventKind.REBOOTED:
                     self._companion.ask_again(now_ns)
-        if events and self.estimate is None:
+        if events and not self._publishes:
             self._companion.withdraw()
+
+    @property
+    def _publishes(self) -> bool:
+        return self._pipeline is not None and self._pipeline.publishes
 
     def _take_verdict(self, verdict: Verdict) -> None:
         """Pass the verdict on; leave a note when it changes."""

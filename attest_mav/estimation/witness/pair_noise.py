@@ -1,0 +1,64 @@
+"""The noise of an inertial sensor, by how much two of them differ: vibration, turbulence and aliasing.
+
+Two sensors on one vehicle see the same motion, so the scatter of their difference is theirs, and the mean of their
+difference over a second or two is what the scatter does not average out.
+"""
+
+from math import hypot, sqrt
+from typing import Final
+
+from attest_mav.algebra import norm, sub
+from attest_mav.estimation.witness.dispute import LanePair
+from attest_mav.estimation.witness.flight_state import accel_bias
+from attest_mav.estimation.witness.lane_watch import LaneWatch
+from attest_mav.estimation.witness.sensor_noise import SensorNoise
+from attest_mav.filters.velocity_aided.filter import VelocityAided
+
+SPACING_NS: Final = 200_000_000
+"""The noise is looked at so often."""
+FALL: Final = 0.9
+"""It falls to this share at most each time."""
+MEAN_S: Final = 2.0
+"""Time of the mean difference, s."""
+MEAN_WEIGHT: Final = 2.5
+LARGEST_MEAN: Final = 0.5
+"""m/s^2: a larger mean difference is a fault and no noise."""
+
+
+def noise_of(pair: LanePair, lane: LaneWatch, one: VelocityAided) -> SensorNoise | None:
+    """The noise of one lane of a pair in good order; one: the filter as it is configured. None while it is unknown."""
+    newest, a, b = lane.moments.newest, pair.first.state, pair.second.state
+    if newest is None or a is None or b is None or not pair.longer.spans or newest.dt_s <= 0.0:
+        return None
+    parameters, known = one.parameters, lane.noise
+    offset = sub(accel_bias(a), accel_bias(b))
+    mean = max(
+        norm(sub(pair.longer.difference().accel, offset)), norm(sub(pair.second_long.difference().accel, offset))
+    )
+    recent = pair.recent.difference()
+    mean = min(mean, LARGEST_MEAN)
+    accel = hypot(_density(norm(recent.accel_scatter), newest.dt_s), MEAN_WEIGHT * mean * sqrt(MEAN_S / 6.0))
+    gyro = _density(norm(recent.gyro_scatter), newest.dt_s)
+    ratio = parameters.low_pass_hz * newest.dt_s
+    share = ratio * ratio / (1.0 + ratio * ratio) if ratio > 0.0 else 1.0
+    return SensorNoise(
+        max(parameters.accel_noise, accel, 0.0 if known is None else FALL * known.accel),
+        max(parameters.gyro_noise, gyro, 0.0 if known is None else FALL * known.gyro),
+        parameters.gyro_aliasing * share,
+    )
+
+
+def follow_noise(pair: LanePair, lane: LaneWatch) -> None:
+    """Give a lane of a pair in good order its noise, when it is due."""
+    newest, one = lane.moments.newest, lane.configured
+    if newest is None or one is None or 0 <= newest.t_ns - lane.noise_ns < SPACING_NS:
+        return
+    lane.noise_ns = newest.t_ns
+    noise = noise_of(pair, lane, one)
+    if noise is not None and not noise.is_like(lane.noise):
+        lane.noise = noise
+
+
+def _density(scatter: float, dt_s: float) -> float:
+    """Noise of one of two sensors, per root s, by the scatter of their difference over all three axes."""
+    return scatter / sqrt(3.0) * sqrt(0.5 * dt_s)

@@ -1,0 +1,32 @@
+"""The noise of one inertial sensor as its filter is to take it."""
+
+from dataclasses import replace
+from typing import Final
+
+from attest_mav.filters.velocity_aided.filter import VelocityAided
+
+SAME: Final = 0.02
+"""A change by a smaller share is none."""
+
+
+class SensorNoise:
+    """accel: m/s per root s. gyro: rad per root s. aliasing: share of the gyro's bend that is missed at most."""
+
+    def __init__(self, accel: float, gyro: float, aliasing: float) -> None:
+        self.accel: Final = accel
+        self.gyro: Final = gyro
+        self.aliasing: Final = aliasing
+
+    def is_like(self, other: "SensorNoise | None") -> bool:
+        """True where the difference does not matter."""
+        return (
+            other is not None
+            and abs(self.accel - other.accel) <= SAME * other.accel
+            and abs(self.gyro - other.gyro) <= SAME * other.gyro
+            and abs(self.aliasing - other.aliasing) <= SAME * other.aliasing
+        )
+
+    def of(self, one: VelocityAided) -> VelocityAided:
+        """The filter with this noise."""
+        parameters = replace(one.parameters, accel_noise=self.accel, gyro_noise=self.gyro, gyro_aliasing=self.aliasing)
+        return replace(one, parameters=parameters)

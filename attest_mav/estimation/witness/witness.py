@@ -1,0 +1,221 @@
+"""The witness: holds the set of attitudes that are not refuted, selects one, and sets faulty sensors aside.
+
+The pipeline gives every lane the steps of ``watch``, and calls ``advance`` after each of its samples. The selected
+lane changes only when it is set aside, stops, or loses its attitude.
+"""
+
+from math import radians
+from typing import Final
+
+from attest_mav.estimation.events import LaneEvent, LaneEventKind
+from attest_mav.estimation.verdict import Member
+from attest_mav.estimation.witness.dispute import LanePair
+from attest_mav.estimation.witness.doubt import Doubt
+from attest_mav.estimation.witness.flight_state import accel_bias, on_another_sensor
+from attest_mav.estimation.witness.lane_watch import LaneWatch
+from attest_mav.estimation.witness.members import candidate_member, is_near, lane_member
+from attest_mav.estimation.witness.moments import Moment
+from attest_mav.estimation.witness.naming import sensor_text
+from attest_mav.estimation.witness.pair_noise import follow_noise
+from attest_mav.estimation.witness.receiver_monitor import ReceiverMonitor
+from attest_mav.estimation.witness.situation import Situation, Standing
+
+STOPPED_S: Final = 0.25
+STOPPED_STEPS: Final = 3.0
+"""A lane has stopped when another one is ahead of it by both."""
+JOINING_TILT: Final = radians(2.0)
+"""rad: a new lane joins the set when its sigma is below this, or when there is none in it."""
+PUBLISHED_TILT: Final = radians(3.0)
+"""rad: a less certain attitude is not published."""
+RETURN_BIAS: Final = radians(0.05)
+"""rad/s: of the gyro's bias of a sensor that returns."""
+
+
+class Witness:
+    """Any number of lanes of one vehicle, all with a velocity-aided filter."""
+
+    def __init__(self) -> None:
+        self.selected = ""
+        """Name of the lane that is shown."""
+        self.members: tuple[Member, ...] = ()
+        """The other attitudes of the set, beside the selected lane's newest one."""
+        self.publishes = False
+        """Whether the selected attitude may be published."""
+        self._lanes: Final[dict[str, LaneWatch]] = {}
+        self._pairs: Final[list[LanePair]] = []
+        self._doubt: Final = Doubt()
+        self._receiver: Final = ReceiverMonitor(self._doubt)
+        self._doubted = False
+
+    @property
+    def doubts(self) -> bool:
+        """True while neither agreement nor disagreement can be said."""
+        return self._doubted
+
+    def watch(self, name: str) -> LaneWatch:
+        """A new lane; the first one is selected until another is better."""
+        lane = LaneWatch(name)
+        self._pairs.extend([LanePair(other, lane) for other in self._lanes.values()])
+        self._lanes[name] = lane
+        self.selected = self.selected or name
+        return lane
+
+    def advance(self, name: str) -> list[LaneEvent]:
+        """Follow a lane to its newest sample."""
+        lane = self._lanes[name]
+        moment = lane.moments.newest
+        if moment is None:
+            return []
+        events: list[LaneEvent] = []
+        self._judge_standing(lane, moment, events)
+        self._compare(lane, moment, events)
+        self._select()
+        selected = self._lanes[self.selected]
+        if lane is selected and lane.standing == Standing.GOOD:
+            disputed = any(pair.dispute is not None for pair in self._pairs)
+            events += self._receiver.take(lane, self._good(), disputed)
+            self._doubt_by_field(moment)
+            self._form_set(lane, moment, disputed)
+        elif selected.standing != Standing.GOOD:
+            self.members, self.publishes = (), False
+        self._set_situation()
+        return events
+
+    def _good(self) -> list[LaneWatch]:
+        return [lane for lane in self._lanes.values() if lane.standing == Standing.GOOD]
+
+    def _judge_standing(self, lane: LaneWatch, moment: Moment, events: list[LaneEvent]) -> None:
+        """Whether a lane joins the set, has lost its attitude, is dead, or leaves others behind that have stopped."""
+        good = self._good()
+        if lane.standing == Standing.NEW and lane.is_navigating:
+            if not good or moment.state.tilt_sigma < JOINING_TILT:
+                lane.standing = Standing.GOOD
+        elif lane.standing == Standing.GOOD and not lane.is_navigating:
+            lane.standing = Standing.NEW
+            self._end_disputes(lane)
+        if lane.standing == Standing.GOOD and lane.dead.reason and self._another(lane) is not None:
+            self._set_aside(lane, moment, lane.dead.reason, events)
+        for other in good:
+            newest = other.moments.newest
+            if other is lane or newest is None or lane.standing != Standing.GOOD:
+                continue
+            behind_s = (moment.t_ns - newest.t_ns) * 1e-9
+            if behind_s > max(STOPPED_S, STOPPED_STEPS * newest.dt_s):
+                self._set_aside(other, moment, f"no samples for {behind_s:.2f} s", events)
+
+    def _another(self, lane: LaneWatch) -> LaneWatch | None:
+        """Another lane in good standing that is not dead."""
+        return next((one for one in self._good() if one is not lane and not one.dead.reason), None)
+
+    def _compare(self, lane: LaneWatch, moment: Moment, events: list[LaneEvent]) -> None:
+        """Compare a lane with every other one."""
+        for pair in self._pairs:
+            if not pair.has(lane):
+                continue
+            paired = pair.pair_up()
+            standings = (pair.first.standing, pair.second.standing)
+            if standings == (Standing.GOOD, Standing.GOOD):
+                if paired:
+                    self._dispute(pair, moment, events)
+                    self._follow_noise(pair)
+                self._find_guilt(pair, moment, events)
+            elif paired and Standing.ASIDE in standings and Standing.GOOD in standings:
+                aside = pair.first if pair.first.standing == Standing.ASIDE else pair.second
+                if pair.other(aside).name == self.selected and pair.aside_is_well(aside, moment.t_ns):
+                    self._take_back(aside, pair, events)
+
+    def _dispute(self, pair: LanePair, moment: Moment, events: list[LaneEvent]) -> None:
+        before = pair.dispute
+        pair.compare(moment.t_ns)
+        if before is None and pair.dispute is not None and pair.contrast is not None:
+            text = f"{pair.first.name} and {pair.second.name} differ: {pair.contrast.text}"
+            events.append(_event(pair.first, moment, LaneEventKind.DISPUTED, text))
+
+    def _follow_noise(self, pair: LanePair) -> None:
+        """A fault is no noise: only in good order do both lanes take what their sensors differ by."""
+        in_order = all(lane.standing == Standing.GOOD and not lane.dead.reason for lane in self._lanes.values())
+        if in_order and all(one.dispute is None for one in self._pairs):
+            follow_noise(pair, pair.first)
+            follow_noise(pair, pair.second)
+
+    def _find_guilt(self, pair: LanePair, moment: Moment, events: list[LaneEvent]) -> None:
+        used = self._receiver.is_used
+        pair.weigh(moment.t_ns, used)
+        lane = pair.guilty(moment.t_ns, used)
+        dispute = pair.dispute
+        if lane is not None and dispute is not None:
+            gyro, accel = pair.excess_of(lane)
+            elapsed_s = (moment.t_ns - dispute.opened_ns) * 1e-9
+            text = f"{sensor_text(gyro, accel)} (evidence {abs(dispute.evidence):.1f} after {elapsed_s:.1f} s)"
+            self._set_aside(lane, moment, text, events)
+
+    def _set_aside(self, lane: LaneWatch, moment: Moment, reason: str, events: list[LaneEvent]) -> None:
+        """A sensor is at fault: its filter stands still from now on."""
+        lane.standing = Standing.ASIDE
+        before = lane.moments.oldest
+        if before is not None:
+            lane.gyro_bias, lane.accel_bias = before.state.gyro_bias, accel_bias(before.state)
+        self._end_disputes(lane)
+        for pair in self._pairs:
+            if pair.has(lane):
+                pair.begin_watching(moment.t_ns)
+        if self._receiver.contradiction is not None and self._receiver.contradiction.lane is lane:
+            self._receiver.abandon()
+        events.append(_event(lane, moment, LaneEventKind.FAULTY, reason))
+
+    def _end_disputes(self, lane: LaneWatch) -> None:
+        for pair in self._pairs:
+            if pair.has(lane):
+                pair.end()
+
+    def _take_back(self, aside: LaneWatch, pair: LanePair, events: list[LaneEvent]) -> None:
+        """A sensor is well again: its filter goes on from the healthy one's state."""
+        healthy, one, newest = pair.other(aside).state, pair.other(aside).filter, aside.moments.newest
+        if healthy is None or one is None or newest is None:
+            return
+        more = pair.reads_more(aside)
+        aside.adopt(on_another_sensor(one, healthy, more.gyro, more.accel, RETURN_BIAS**2))
+        aside.standing = Standing.GOOD
+        pair.end()
+        events.append(_event(aside, newest, LaneEventKind.RETURNED, "reads like the other sensor again: it is used"))
+
+    def _select(self) -> None:
+        """Keep the selected lane while it is in good standing."""
+        if self._lanes[self.selected].standing == Standing.GOOD:
+            return
+        for lane in self._good():
+            self.selected = lane.name
+            return
+
+    def _doubt_by_field(self, moment: Moment) -> None:
+        good = self._good()
+        if good and not any(lane.field_fits for lane in good):
+            self._doubt.field_contradicts(moment.t_ns)
+
+    def _form_set(self, selected: LaneWatch, moment: Moment, disputed: bool) -> None:
+        """The members beside the selected attitude, and whether that may be published."""
+        members: list[Member] = []
+        for lane in self._good():
+            member = None if lane is selected else lane_member(moment, lane)
+            if member is not None:
+                members.append(member)
+        candidates = self._receiver.candidates()
+        members += [candidate_member(moment, candidate) for candidate in candidates]
+        self.members = tuple(members)
+        self._doubted = self._doubt.active(moment.t_ns) or bool(selected.dead.reason)
+        state = moment.state
+        together = not (disputed or candidates) or all(is_near(state, member) for member in members)
+        self.publishes = state.tilt_sigma < PUBLISHED_TILT and not self._doubted and together
+
+    def _set_situation(self) -> None:
+        """Tell every lane what to do with fixes, where that has changed."""
+        receiver = self._receiver
+        calm = receiver.contradiction is None and all(pair.dispute is None for pair in self._pairs)
+        for lane in self._lanes.values():
+            known = lane.situation
+            if (known.calm, known.receiver_used, known.fix_shift_s) != (calm, receiver.is_used, receiver.shift_s):
+                lane.situation = Situation(calm, receiver.is_used, receiver.shift_s)
+
+
+def _event(lane: LaneWatch, moment: Moment, kind: LaneEventKind, text: str) -> LaneEvent:
+    return LaneEvent(lane.name, kind, moment.t_ns, moment.sample.rx_ns, text)
