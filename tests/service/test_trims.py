@@ -53,7 +53,7 @@ def test_a_fault_beside_a_trim_is_found(flight, trim_deg, from_s):
     assert verdicts(f, 26.0)[-1] == (DISAGREE, "tilt")
 
 
-def test_a_trim_that_is_set_in_flight_is_no_fault(flight):
+def test_a_trim_that_is_set_in_flight_is_taken_off_and_not_vouched_for(flight):
     f = flight("", trimmed(0.0))
     verdicts(f, 20.0)
     assert f.snapshot().frame_notes == ()
@@ -61,7 +61,8 @@ def test_a_trim_that_is_set_in_flight_is_no_fault(flight):
     for name, angle_deg in ((b"AHRS_TRIM_X", 6.0), (b"AHRS_TRIM_Y", -3.0)):
         change = mavlink.MAVLink_param_set_message(1, 1, name, radians(angle_deg), mavlink.MAV_PARAM_TYPE_REAL32)
         f.vehicle.handle(change.pack(station), f.now_ns)
-    assert agreements(f, 30.0) == {AGREE}
+    assert DISAGREE not in agreements(f, 30.0)
+    assert f.snapshot().verdict.verdict.reason == "offset"
     assert f.snapshot().frame_notes == ("AHRS_TRIM 6.0, -3.0 deg taken off ATTITUDE",)
 
 

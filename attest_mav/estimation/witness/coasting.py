@@ -78,7 +78,8 @@ class Coasting:
     """
 
     def __init__(self, began_ns: int, usual: float, by_sensors: bool, shift_s: float) -> None:
-        self._shifts_s: Final = shifts_beside(shift_s)
+        self.shifts_s: Final = shifts_beside(shift_s)
+        """Shifts of the fixes that are tried, s."""
         self._present_s: Final = shift_s
         self.began_ns: Final = began_ns
         self.by_sensors: Final = by_sensors
@@ -94,9 +95,13 @@ class Coasting:
         then = velocity_at(moments, instant_ns)
         shifts = [
             sub(velocity_at(moments, instant_ns - int(1e9 * (shift_s - self._present_s))), then)
-            for shift_s in self._shifts_s
+            for shift_s in self.shifts_s
         ]
-        self._fixes.append(_WatchedFix(record.innovation, shifts))
+        self.add(record.innovation, shifts)
+
+    def add(self, innovation: Vec3, shifts: list[Vec3]) -> None:
+        """Watch an innovation, m/s. shifts: by what the velocity was more at the instant of each shift, m/s."""
+        self._fixes.append(_WatchedFix(innovation, shifts))
 
     def is_steady(self, field_fits: bool) -> bool:
         """True when the receiver's error is steady."""
@@ -113,7 +118,7 @@ class Coasting:
         """The shift that explains the innovations best; None while there are too few."""
         if len(self._fixes) < LATE_FIXES:
             return None
-        found = [self._lateness_of(place) for place in range(len(self._shifts_s))]
+        found = [self._lateness_of(place) for place in range(len(self.shifts_s))]
         return min(found, key=lambda one: one.rms)
 
     def _lateness_of(self, place: int) -> Lateness:
@@ -130,7 +135,7 @@ class Coasting:
         scatter_left = _square(_deviation(left[0])) + _square(_deviation(left[1]))
         whole, whole_left = _mean_square(given), _mean_square(left)
         return Lateness(
-            self._shifts_s[place],
+            self.shifts_s[place],
             max(_deviation(moved[0]), _deviation(moved[1])),
             scatter_left / max(scatter, 1e-9),
             sqrt(scatter_left),

@@ -5,12 +5,7 @@ from math import cos, pi, sin
 import numpy as np
 import pytest
 
-from attest_mav.estimation.witness import coasting
 from attest_mav.estimation.witness.coasting import Coasting
-from attest_mav.estimation.witness.flight_state import FixRecord
-from attest_mav.estimation.witness.moments import Moments
-
-S = 1_000_000_000
 
 
 def velocity(t_s):
@@ -18,22 +13,16 @@ def velocity(t_s):
     return 6.0 * cos(2.0 * pi * t_s / 8.0), 6.0 * sin(2.0 * pi * t_s / 8.0)
 
 
-@pytest.fixture
-def fly(monkeypatch):
-    """fly(innovation): fixes at 5 Hz beside a lane that knows its velocity."""
-    monkeypatch.setattr(coasting, "velocity_at", lambda _, t_ns: (*velocity(t_ns / S), 0.0))
-    monkeypatch.setattr(coasting, "fix_delay_of", lambda _: 0.0)
-    monkeypatch.setattr(Moments, "newest", property(lambda self: self))
-    monkeypatch.setattr(Moments, "state", None, raising=False)
-
-    def make(innovation, present_s=0.0, count=25):
-        watched = Coasting(0, 0.05, by_sensors=False, shift_s=present_s)
-        for k in range(count):
-            north, east = innovation(0.2 * k)
-            watched.take(FixRecord(k * S // 5, (north, east, 0.0), 10.0), Moments())
-        return watched
-
-    return make
+def fly(innovation, present_s=0.0, count=25):
+    """Fixes at 5 Hz beside a lane that knows its velocity."""
+    watched = Coasting(0, 0.05, by_sensors=False, shift_s=present_s)
+    for k in range(count):
+        t_s = 0.2 * k
+        north, east = innovation(t_s)
+        then = velocity(t_s)
+        earlier = [velocity(t_s - (shift_s - present_s)) for shift_s in watched.shifts_s]
+        watched.add((north, east, 0.0), [(a - then[0], b - then[1], 0.0) for a, b in earlier])
+    return watched
 
 
 def late_by(delay_s):
@@ -44,19 +33,19 @@ def late_by(delay_s):
     return innovation
 
 
-def test_a_constant_offset_is_steady_and_not_late(fly):
+def test_a_constant_offset_is_steady_and_not_late():
     watched = fly(lambda _: (5.0, -2.0))
     assert watched.is_steady(field_fits=False)
     assert not watched.lateness().is_suspected
 
 
-def test_a_huge_offset_is_steady_only_while_the_field_fits(fly):
+def test_a_huge_offset_is_steady_only_while_the_field_fits():
     watched = fly(lambda _: (50.0, 0.0))
     assert watched.is_steady(field_fits=True)
     assert not watched.is_steady(field_fits=False)
 
 
-def test_noise_is_not_steady(fly):
+def test_noise_is_not_steady():
     rng = np.random.default_rng(1)
     watched = fly(lambda _: tuple(rng.normal(0.0, 1.0, 2)))
     assert not watched.is_steady(field_fits=True)
@@ -64,14 +53,14 @@ def test_noise_is_not_steady(fly):
 
 
 @pytest.mark.parametrize(("present_s", "delay_s"), [(0.0, 0.4), (0.0, 0.25), (0.4, 0.0)])
-def test_a_late_receiver_is_found_with_its_delay(fly, present_s, delay_s):
+def test_a_late_receiver_is_found_with_its_delay(present_s, delay_s):
     """With fixes shifted already, the innovations show the delay beside that."""
     found = fly(late_by(delay_s - present_s), present_s).lateness()
     assert found.is_proven
     assert found.shift_s == pytest.approx(delay_s, abs=0.01)
 
 
-def test_too_few_fixes_say_nothing(fly):
+def test_too_few_fixes_say_nothing():
     watched = fly(late_by(0.4), count=9)
     assert watched.lateness() is None
     assert not watched.is_steady(field_fits=True)
