@@ -76,6 +76,8 @@ class Pipeline:
         self._filter = attitude_filter
         self._sources = list(sources)
         self._check = AttitudeCheck(settings.verdict)
+        self._trims_in_flight: dict[Setting, float] = {}
+        """The trims of this flight before they were changed, rad."""
         self._witness = Witness() if isinstance(attitude_filter, VelocityAided) else None
 
     def takes(self, source: str) -> bool:
@@ -120,19 +122,26 @@ class Pipeline:
             self._watch_trim(sample, before)
             self.set_vehicle_settings(self.vehicle.settings)
         elif self.vehicle.armed is False:
+            self._trims_in_flight.clear()
             self._check.judge.trim_moved = False
         return []
 
     def _watch_trim(self, sample: ParameterSample, before: VehicleSettings) -> None:
-        """Notice a trim that is changed in flight by more than a calibration's remainder.
+        """Notice a trim that is changed in flight by more than a fine adjustment, and one that is changed back.
 
         One that was not told before counts as none while the attitudes agree without it.
         """
         if sample.setting not in (Setting.TRIM_X, Setting.TRIM_Y) or not self.vehicle.armed:
             return
-        agrees = self.verdict is not None and self.verdict.agreement == Agreement.AGREE
-        if agrees and abs(sample.value - before.get_or(sample.setting, 0.0)) > MOVED_TRIM:
-            self._check.judge.trim_moved = True
+        known = self._trims_in_flight
+        if sample.setting not in known:
+            if self.verdict is None or self.verdict.agreement != Agreement.AGREE:
+                return
+            known[sample.setting] = before.get_or(sample.setting, 0.0)
+        settings = self.vehicle.settings
+        self._check.judge.trim_moved = any(
+            abs(settings.get_or(setting, 0.0) - first) > MOVED_TRIM for setting, first in known.items()
+        )
 
     def poll(self, now_ns: int) -> list[Event]:
         """What follows from nothing having come until ``now_ns`` (host clock)."""

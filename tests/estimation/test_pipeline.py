@@ -372,3 +372,15 @@ def test_a_trim_that_is_changed_in_flight_is_followed_but_not_vouched_for(pipeli
     pipeline.handle(armed(10.0, is_armed=False))
     said = verdicts(run(pipeline, interleave(imu, attitude, 10.0, 12.0, lambda _: leaning)))
     assert said[-1].agreement == Agreement.AGREE
+
+
+def test_a_trim_that_is_changed_back_is_vouched_for_again(pipeline, imu, attitude):
+    level = (1.0, 0.0, 0.0, 0.0)
+    pipeline.handle(armed(0.0, is_armed=True))
+    run(pipeline, interleave(imu, attitude, 0.0, 5.0, lambda _: level))
+    pipeline.handle(trim(5.0, 5.0))
+    run(pipeline, interleave(imu, attitude, 5.0, 10.0, lambda _: q_from_euler(radians(-5.0), 0.0, 0.0)))
+    assert pipeline.verdict.reason == "offset"
+    pipeline.handle(trim(10.0, 0.0))
+    run(pipeline, interleave(imu, attitude, 10.0, 12.0, lambda _: level))
+    assert pipeline.verdict.agreement == Agreement.AGREE
