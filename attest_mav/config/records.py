@@ -83,8 +83,10 @@ class StreamsConfig(_Record, frozen=True):
     """Set the rates back to the autopilot's defaults at the end."""
     imu_messages: tuple[ImuMessage, ...] = ()
     """Inertial messages in order of preference; empty takes the order that suits the autopilot."""
+    further_imu_messages: tuple[ImuMessage, ...] = ()
+    """Inertial messages of other sensors, each with a filter of its own beside the first: a lane."""
     imu_hz: RateHz = 50.0
-    """Rate of the inertial message, Hz."""
+    """Rate of each inertial message, Hz."""
     attitude_hz: RateHz = 10.0
     """Rate of the autopilot's attitude, Hz."""
     aiding_hz: RateHz = 5.0

@@ -98,6 +98,7 @@ def _data_settings(streams: StreamsConfig, aiding: AidingConfig, default_setting
         asks=streams.request,
         restores=streams.request and streams.restore,
         imu_messages=streams.imu_messages,
+        further_imu_messages=streams.further_imu_messages,
         imu_hz=streams.imu_hz,
         attitude_hz=streams.attitude_hz,
         aiding_hz=streams.aiding_hz,

@@ -3,13 +3,11 @@
 import logging
 import math
 import re
-from functools import partial
 
 import pytest
 
 from attest_mav.estimation.events import Agreement
 from attest_mav.mavlink.component.encoder import Encoder
-from attest_mav.mavlink.component.vehicle_data import DataSettings
 from attest_mav.sim.fault_text import parse_faults
 from attest_mav.sim.settings import PERFECT, SimSettings
 
@@ -87,10 +85,11 @@ def test_the_autopilot_decides_what_is_asked_for(flight, personality, message):
     assert stream.achieved_hz == pytest.approx(50.0, abs=1.0)
 
 
-def test_a_further_inertial_message_leaves_the_primary_one_alone(flight, monkeypatch):
-    two = partial(DataSettings, further_imu_messages=("SCALED_IMU2",))
-    monkeypatch.setattr("attest_mav.service.assembly.DataSettings", two)
-    f = flight("", sim("hover"))
+TWO_LANES = "[streams]\nfurther_imu_messages = ['SCALED_IMU2']\n"
+
+
+def test_a_further_inertial_message_leaves_the_primary_one_alone(flight):
+    f = flight(TWO_LANES, sim("hover"))
     f.run_until(10.0)
     seen = f.snapshot()
     rates = {stream.name: stream.achieved_hz for stream in seen.streams}
