@@ -63,11 +63,11 @@ def cross_matrix(v):
 def test_the_earth_rate_has_the_published_values():
     down = unit(DOWN)
     north = north_from_heading(0.3, down, ZERO)
-    with_heading = earth_rate(NorthVector(north, 0.0, True, False), down, LATITUDE, nan)
-    without = earth_rate(NorthVector(north, 0.0, False, False), down, LATITUDE, nan)
+    with_heading = earth_rate(NorthVector(north, 0.0, True), down, LATITUDE, nan)
+    without = earth_rate(NorthVector(north, 0.0, False), down, LATITUDE, nan)
     assert with_heading == pytest.approx((5.297087203e-5, -2.174437710e-5, -4.515266214e-5), abs=1e-14)
     assert without == pytest.approx((-2.227837479e-6, -4.455674957e-6, -4.411118208e-5), abs=1e-14)
-    assert earth_rate(NorthVector(north, 0.0, True, False), down, nan, nan) == ZERO
+    assert earth_rate(NorthVector(north, 0.0, True), down, nan, nan) == ZERO
 
 
 def test_prediction_and_rows_give_the_published_states():
@@ -186,7 +186,7 @@ def test_a_field_without_a_level_part_shows_nothing(field):
 def test_declination_turns_the_earth_rate_back_to_true_north():
     declination = radians(12.0)
     down = (0.0, 0.0, 1.0)
-    ours = earth_rate(NorthVector((1.0, 0.0, 0.0), 0.0, True, False), down, LATITUDE, declination)
+    ours = earth_rate(NorthVector((1.0, 0.0, 0.0), 0.0, True), down, LATITUDE, declination)
     horizontal = EARTH_RATE * cos(LATITUDE)
     # True north is 12 degrees to the left of magnetic north, which is the body's x here.
     assert ours == pytest.approx(
