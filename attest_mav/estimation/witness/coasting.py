@@ -73,16 +73,13 @@ class _WatchedFix:
 class Coasting:
     """What is seen while coasting.
 
-    began_ns: by the sensor's clock. usual: size of an innovation before, m/s. by_sensors: the accelerometers did it.
-    shift_s: by which fixes are older than they say.
+    usual: size of an innovation before, m/s. shift_s: by which fixes are older than they say.
     """
 
-    def __init__(self, began_ns: int, usual: float, by_sensors: bool, shift_s: float) -> None:
+    def __init__(self, usual: float, shift_s: float) -> None:
         self.shifts_s: Final = shifts_beside(shift_s)
         """Shifts of the fixes that are tried, s."""
         self._present_s: Final = shift_s
-        self.began_ns: Final = began_ns
-        self.by_sensors: Final = by_sensors
         self._limit: Final = max(STEADY_SIGMA, STEADY_USUALS * usual)
         self._fixes: Final[deque[_WatchedFix]] = deque(maxlen=REMEMBERED)
 

@@ -15,7 +15,7 @@ def velocity(t_s):
 
 def fly(innovation, present_s=0.0, count=25):
     """Fixes at 5 Hz beside a lane that knows its velocity."""
-    watched = Coasting(0, 0.05, by_sensors=False, shift_s=present_s)
+    watched = Coasting(0.05, present_s)
     for k in range(count):
         t_s = 0.2 * k
         north, east = innovation(t_s)
