@@ -11,6 +11,10 @@ from setuptools import setup
 
 CORE = [
     "types.py",
+    "samples.py",
+    "vehicle_settings.py",
+    "vehicle_reports.py",
+    "estimate.py",
     "innovation.py",
     "algebra.py",
     "matrices.py",

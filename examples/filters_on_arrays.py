@@ -20,7 +20,8 @@ from attest_mav.filters.base import AttitudeFilter, FilterInputs, Start
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.types import G_MPS2, ImuSample, Quat, Vec3, VelocityOrigin, VelocitySample
+from attest_mav.samples import ImuSample, VelocitySample
+from attest_mav.types import G_MPS2, Quat, Vec3, VelocityOrigin
 
 Array = npt.NDArray[np.float64]
 

@@ -17,7 +17,7 @@ from attest_mav.filters.registry import default_filter
 from attest_mav.replay.batch import replay_file
 from attest_mav.replay.request import Request, Window
 from attest_mav.runtime.files import open_log
-from attest_mav.types import ImuSample
+from attest_mav.samples import ImuSample
 
 
 @dataclass(frozen=True)

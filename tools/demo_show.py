@@ -21,9 +21,10 @@ from attest_mav.algebra import heading_between, q_to_euler, tilt_between
 from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.dialect import load_dialect
 from attest_mav.mavlink.wire.framer import Framer
+from attest_mav.samples import AttitudeSample
 from attest_mav.sim.autopilot import FakeAutopilot
 from attest_mav.sim.settings import SimSettings
-from attest_mav.types import AttitudeSample, Quat
+from attest_mav.types import Quat
 
 SCENARIO = "hover"
 SEED = 1

@@ -12,7 +12,8 @@ from typing import Final
 from attest_mav.algebra import add, cross, is_finite, norm, q_from_matrix, scale, sub, unit
 from attest_mav.filters.base import Start
 from attest_mav.plausible import MIN_HORIZONTAL_FIELD
-from attest_mav.types import G_MPS2, ImuSample, North, Quat, Vec3
+from attest_mav.samples import ImuSample
+from attest_mav.types import G_MPS2, North, Quat, Vec3
 
 WINDOW_S: Final = 0.5
 """Length of the average."""

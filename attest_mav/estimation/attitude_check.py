@@ -9,9 +9,11 @@ from collections.abc import Sequence
 from math import inf, nan
 from typing import Final
 
+from attest_mav.estimate import Estimate
 from attest_mav.estimation.events import Agreement, Verdict
 from attest_mav.estimation.verdict import Judge, Member, VerdictSettings
-from attest_mav.types import AttitudeForm, AttitudeRole, AttitudeSample, Estimate
+from attest_mav.samples import AttitudeSample
+from attest_mav.types import AttitudeForm, AttitudeRole
 
 STALE_INTERVALS: Final = 2.5
 """A stream has stopped when nothing has come for longer than this many of its own intervals."""

@@ -19,7 +19,8 @@ from enum import IntEnum
 from typing import Final
 
 from attest_mav.algebra import q_exp, q_from_euler, q_mul, scale
-from attest_mav.types import AttitudeForm, Estimator, Quat, Vec3, Version
+from attest_mav.types import AttitudeForm, Quat, Vec3, Version
+from attest_mav.vehicle_settings import Estimator
 
 ARDUPILOT: Final = 3
 PX4: Final = 12

@@ -3,7 +3,7 @@
 from enum import IntEnum
 from typing import Final
 
-from attest_mav.types import Estimate
+from attest_mav.estimate import Estimate
 
 
 class LaneEventKind(IntEnum):

@@ -4,8 +4,11 @@ from math import atan2, isfinite
 from typing import Final
 
 from attest_mav.algebra import q_continuous, q_heading, q_mul, q_to_euler, rotate, sub
+from attest_mav.estimate import Estimate
 from attest_mav.filters.base import AttitudeFilter, FilterState, Start
-from attest_mav.types import Estimate, ImuSample, North, Quat, Vec3, VehicleSettings
+from attest_mav.samples import ImuSample
+from attest_mav.types import North, Quat, Vec3
+from attest_mav.vehicle_settings import VehicleSettings
 
 
 class FilterRun:

@@ -9,7 +9,8 @@ from math import isfinite, pi, radians
 from typing import Final
 
 from attest_mav.estimation.vehicle import Vehicle
-from attest_mav.types import Setting, VehicleKind
+from attest_mav.types import VehicleKind
+from attest_mav.vehicle_settings import Setting
 
 HOVER_MODES: Final = frozenset([17, 18, 19, 20, 21, 22, 23])
 """ArduPlane's modes QSTABILIZE, QHOVER, QLOITER, QLAND, QRTL, QAUTOTUNE and QACRO."""

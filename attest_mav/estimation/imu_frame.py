@@ -20,14 +20,8 @@ from attest_mav.estimation.hover_view import HoverView, hover_angle, hover_view
 from attest_mav.estimation.trim_form_fit import TrimFormFit
 from attest_mav.estimation.trims import RuleBook, Trims
 from attest_mav.estimation.vehicle import Vehicle
-from attest_mav.types import (
-    AttitudeForm,
-    AttitudeRole,
-    AttitudeSample,
-    Quat,
-    Vec3,
-    VehicleKind,
-)
+from attest_mav.samples import AttitudeSample
+from attest_mav.types import AttitudeForm, AttitudeRole, Quat, Vec3, VehicleKind
 
 STEEPEST: Final = radians(85.0)
 """Beyond this pitch a difference of Euler angles is no rotation that could be undone."""

@@ -15,7 +15,8 @@ from attest_mav.estimation.timebase import StepKind, TimeBase, TimeStep
 from attest_mav.estimation.vehicle import Vehicle
 from attest_mav.filters.base import AttitudeFilter, FilterState, Start
 from attest_mav.plausible import is_force
-from attest_mav.types import ImuSample, North, Quat
+from attest_mav.samples import ImuSample
+from attest_mav.types import North, Quat
 
 HEADING_MEMORY_S: Final = 10.0
 """Without a magnetometer for longer the heading is dead-reckoned, and no longer referred to north."""

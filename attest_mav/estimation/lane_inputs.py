@@ -6,7 +6,8 @@ from attest_mav.algebra import norm
 from attest_mav.estimation.vehicle import STANDING_SPEED, Vehicle
 from attest_mav.filters.base import BodyVelocity, FilterInputs
 from attest_mav.filters.stationary import StillnessLimits, is_unaccelerated
-from attest_mav.types import G_MPS2, ImuSample, North, Quat, Sample, VelocitySample
+from attest_mav.samples import ImuSample, Sample, VelocitySample
+from attest_mav.types import G_MPS2, North, Quat
 
 LIMITS: Final = StillnessLimits(rate=0.05, accel=0.3)
 """Quiet sensors show no more than this."""

@@ -9,7 +9,8 @@ from math import hypot, radians
 from typing import Final
 
 from attest_mav.algebra import q_conj, q_continuous, q_exp, q_from_euler, q_mul, q_to_euler, scale
-from attest_mav.types import AttitudeForm, AttitudeSample, Quat, Vec3
+from attest_mav.samples import AttitudeSample
+from attest_mav.types import AttitudeForm, Quat, Vec3
 
 FIT_S: Final = 5.0
 """The difference is averaged over this long, s."""

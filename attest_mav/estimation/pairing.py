@@ -9,8 +9,10 @@ from collections import deque
 from typing import Final
 
 from attest_mav.algebra import add, norm, q_exp, q_mul, scale, sub
+from attest_mav.estimate import Estimate
 from attest_mav.estimation.timebase import wrapped_difference_ns
-from attest_mav.types import AttitudeSample, Estimate, Quat, Vec3
+from attest_mav.samples import AttitudeSample
+from attest_mav.types import Quat, Vec3
 
 CARRY_S: Final = 0.1
 """An attitude newer than the last estimate by at most this does not wait for the next one, s."""

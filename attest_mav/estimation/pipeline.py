@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from math import radians
 from typing import Final
 
+from attest_mav.estimate import Estimate
 from attest_mav.estimation.attitude_check import STALE_INTERVALS, AttitudeCheck
 from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.imu_frame import ImuFrame
@@ -20,16 +21,10 @@ from attest_mav.estimation.verdict import VerdictSettings
 from attest_mav.estimation.witness.witness import Witness
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.velocity_aided.filter import VelocityAided
-from attest_mav.types import (
-    AttitudeSample,
-    EarthField,
-    Estimate,
-    ImuSample,
-    ParameterSample,
-    Sample,
-    Setting,
-    VehicleSettings,
-)
+from attest_mav.samples import AttitudeSample, ImuSample, Sample
+from attest_mav.types import EarthField
+from attest_mav.vehicle_reports import ParameterSample
+from attest_mav.vehicle_settings import Setting, VehicleSettings
 
 _NS: Final = 1_000_000_000
 

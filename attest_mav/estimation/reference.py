@@ -5,7 +5,8 @@ from typing import Final
 from attest_mav.algebra import norm, tilt_between
 from attest_mav.estimation.offset import OffsetMonitor
 from attest_mav.estimation.timebase import wrapped_difference_ns
-from attest_mav.types import AttitudeSample, Quat, Vec3
+from attest_mav.samples import AttitudeSample
+from attest_mav.types import Quat, Vec3
 
 LONGEST_S: Final = 0.2
 """One attitude counts for at most this time as evidence, s."""

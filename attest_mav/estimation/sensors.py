@@ -3,7 +3,8 @@
 from typing import Final
 
 from attest_mav.algebra import norm
-from attest_mav.types import ImuSample, Vec3
+from attest_mav.samples import ImuSample
+from attest_mav.types import Vec3
 
 FROZEN_S: Final = 1.0
 """Bit-identical readings for this long while they claim a turn mean a frozen sensor."""

@@ -1,7 +1,7 @@
 """Who takes a lane's filter from one sample to the next: the filter alone, or someone who watches it."""
 
 from attest_mav.filters.base import AttitudeFilter, FilterInputs, FilterState
-from attest_mav.types import ImuSample
+from attest_mav.samples import ImuSample
 
 
 class Stepper:

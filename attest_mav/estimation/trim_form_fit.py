@@ -10,7 +10,8 @@ from typing import Final
 from attest_mav.algebra import norm, q_conj, q_mul
 from attest_mav.estimation.body_frames import TrimForm, without_trim
 from attest_mav.estimation.timebase import wrapped_difference_ns
-from attest_mav.types import AttitudeSample, Quat, Vec3
+from attest_mav.samples import AttitudeSample
+from attest_mav.types import Quat, Vec3
 
 TOGETHER_NS: Final = 5_000_000
 """Messages of one burst have time stamps that differ by no more."""

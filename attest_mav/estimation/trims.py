@@ -4,7 +4,9 @@ from math import isfinite
 from typing import Final
 
 from attest_mav.estimation.body_frames import ARDUPILOT, FrameRule, rules_of
-from attest_mav.types import AttitudeSample, Estimator, Setting, Vec3, VehicleSettings, Version
+from attest_mav.samples import AttitudeSample
+from attest_mav.types import Vec3, Version
+from attest_mav.vehicle_settings import Estimator, Setting, VehicleSettings
 
 NO_PITCH_TRIM: Final = 1 << 8
 """Bit of FLIGHT_OPTIONS: the pitch trim is not taken off ATTITUDE."""

@@ -12,26 +12,10 @@ from typing import Final
 
 from attest_mav.algebra import norm, rotate_back
 from attest_mav.filters.base import Airspeed, BodyVelocity
-from attest_mav.types import (
-    AirDataSample,
-    EarthField,
-    Estimator,
-    EstimatorSample,
-    FirmwareSample,
-    HeartbeatSample,
-    LandedSample,
-    North,
-    ParameterSample,
-    PositionSample,
-    Quat,
-    Sample,
-    Setting,
-    VehicleKind,
-    VehicleSettings,
-    VelocityOrigin,
-    VelocitySample,
-    Version,
-)
+from attest_mav.samples import AirDataSample, PositionSample, Sample, VelocitySample
+from attest_mav.types import EarthField, North, Quat, VehicleKind, VelocityOrigin, Version
+from attest_mav.vehicle_reports import EstimatorSample, FirmwareSample, HeartbeatSample, LandedSample, ParameterSample
+from attest_mav.vehicle_settings import Estimator, Setting, VehicleSettings
 
 STALE_NS: Final = 2_000_000_000
 """Speeds and velocities older than this, by the host's clock, are not used."""

@@ -15,11 +15,13 @@ from math import hypot, isfinite, nan, radians
 from typing import Final
 
 from attest_mav.algebra import heading_between, q_mul, tilt_between
+from attest_mav.estimate import Estimate
 from attest_mav.estimation.events import Agreement, Verdict
 from attest_mav.estimation.offset import OffsetMonitor
 from attest_mav.estimation.pairing import Carried, Pairing
 from attest_mav.estimation.reference import Reference
-from attest_mav.types import AttitudeSample, Estimate, North, Quat
+from attest_mav.samples import AttitudeSample
+from attest_mav.types import North, Quat
 
 REASONS: Final = (
     "agrees",

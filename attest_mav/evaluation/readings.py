@@ -1,7 +1,8 @@
 """Simulated readings as the samples that filters take."""
 
 from attest_mav.evaluation.motion import Array
-from attest_mav.types import ImuSample, Vec3
+from attest_mav.samples import ImuSample
+from attest_mav.types import Vec3
 
 
 def samples_of(gyro: Array, accel: Array, mag: Array | None, dt_s: float) -> list[ImuSample]:

@@ -8,7 +8,8 @@ import numpy as np
 from attest_mav.evaluation.motion import Array, Motion, to_body
 from attest_mav.evaluation.readings import samples_of
 from attest_mav.filters.base import AttitudeFilter, FilterInputs, Start
-from attest_mav.types import ImuSample, North, Quat, Vec3
+from attest_mav.samples import ImuSample
+from attest_mav.types import North, Quat, Vec3
 
 NO_ERROR: Vec3 = (0.0, 0.0, 0.0)
 

@@ -11,7 +11,9 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.innovation import Innovation
-from attest_mav.types import AirspeedSource, ImuSample, North, Quat, Vec3, VehicleSettings, VelocitySample
+from attest_mav.samples import ImuSample, VelocitySample
+from attest_mav.types import AirspeedSource, North, Quat, Vec3
+from attest_mav.vehicle_settings import VehicleSettings
 
 MAX_CORRECTION_DT_S: Final = 0.05
 """A correction after a gap counts for at most this long, s: the reading is one reading however long the gap was."""

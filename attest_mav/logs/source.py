@@ -9,7 +9,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Protocol, runtime_checkable
 
-from attest_mav.types import Estimate, ParameterSample, PositionSample, Sample, VehicleSettings
+from attest_mav.estimate import Estimate
+from attest_mav.samples import PositionSample, Sample
+from attest_mav.vehicle_reports import ParameterSample
+from attest_mav.vehicle_settings import VehicleSettings
 
 VehicleId = tuple[int, int]
 """(system, component) of the samples of one vehicle."""

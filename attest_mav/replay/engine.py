@@ -24,7 +24,8 @@ from attest_mav.replay.north import north_of
 from attest_mav.replay.notes import all_notes, choice_notes
 from attest_mav.replay.plan import make_plan, suitable_filter
 from attest_mav.replay.request import Outputs, Request
-from attest_mav.types import Sample, VehicleSettings
+from attest_mav.samples import Sample
+from attest_mav.vehicle_settings import VehicleSettings
 
 SUMMARY_SHARE: Final = 0.2
 """Approximate share of the first pass in the time of a replay, for the progress."""

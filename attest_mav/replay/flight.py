@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from math import inf, nan
 from typing import Final
 
+from attest_mav.estimate import Estimate
 from attest_mav.estimation.imu_frame import ImuFrame
 from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.estimation.timebase import WRAP_NS
@@ -15,7 +16,9 @@ from attest_mav.replay.log_time import LogTime, Motion, Regularity
 from attest_mav.replay.reference_track import ReferenceTrack
 from attest_mav.replay.request import Window
 from attest_mav.replay.stamping import BurstStamp, Stamped
-from attest_mav.types import NO_TIME, AttitudeSample, EarthField, Estimate, ImuSample, North, ParameterSample, Sample
+from attest_mav.samples import AttitudeSample, ImuSample, Sample
+from attest_mav.types import NO_TIME, EarthField, North
+from attest_mav.vehicle_reports import ParameterSample
 
 AUTOPILOT: Final = "autopilot"
 """Name of the autopilot's own attitude among the compared ones."""

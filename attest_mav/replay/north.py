@@ -5,7 +5,9 @@ from math import degrees, isfinite, nan
 
 from attest_mav.earth_field import LocalField, field_at, simulated_field_at
 from attest_mav.logs.source import FlightDate, VehicleSummary
-from attest_mav.types import EarthField, PositionSample, Setting
+from attest_mav.samples import PositionSample
+from attest_mav.types import EarthField
+from attest_mav.vehicle_settings import Setting
 
 
 @dataclass(frozen=True)

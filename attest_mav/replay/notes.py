@@ -6,11 +6,11 @@ from math import isfinite
 from attest_mav.estimation.body_frames import ARDUPILOT
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.logs.source import LogSource, LogSummary, Plan, VehicleSummary
-from attest_mav.mavlink.decode.autopilot_parameters import quantity, with_unit
 from attest_mav.replay.flight import Flight
 from attest_mav.replay.plan import replayable
 from attest_mav.replay.sampling_notes import coverage_notes, rate_notes
-from attest_mav.types import HeartbeatSample, ParameterSample, Setting
+from attest_mav.vehicle_reports import HeartbeatSample, ParameterSample
+from attest_mav.vehicle_settings import Setting, quantity, with_unit
 
 
 def all_notes(

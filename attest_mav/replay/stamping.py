@@ -10,7 +10,7 @@ nearest timed message, moved by the difference of the arrivals.
 
 from typing import Final
 
-from attest_mav.types import AttitudeSample
+from attest_mav.samples import AttitudeSample
 
 BURST_NS: Final = 10_000_000
 """Messages that usually arrive within this time of each other are sent in one burst."""

@@ -17,7 +17,7 @@ from attest_mav.mavlink.component.ports import PortSettings
 from attest_mav.mavlink.component.vehicle_data import POSITION_MESSAGES, DataSettings
 from attest_mav.mavlink.decode.units import RawScales
 from attest_mav.service.settings import ServiceSettings
-from attest_mav.types import VehicleSettings
+from attest_mav.vehicle_settings import VehicleSettings
 
 
 def service_settings(config: Config) -> ServiceSettings:

@@ -5,7 +5,8 @@ from math import degrees, isfinite
 from typing import Final
 
 from attest_mav.mavlink.component.notes import Notebook
-from attest_mav.types import EarthField, PositionSample
+from attest_mav.samples import PositionSample
+from attest_mav.types import EarthField
 
 FieldFinder = Callable[[float, float, float], tuple[EarthField, str]]
 """From latitude, longitude (degrees) and altitude (m) to the Earth's field and the name of the model."""

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from math import nan
 from typing import Final
 
+from attest_mav.estimate import Estimate
 from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.pipeline import Pipeline
 from attest_mav.estimation.vehicle import Vehicle
@@ -19,6 +20,7 @@ from attest_mav.mavlink.decode.autopilot_parameters import facts_of_firmware
 from attest_mav.mavlink.decode.decoder import Decoder, of_message
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.framer import Framer
+from attest_mav.samples import ImuSample, PositionSample, Sample
 from attest_mav.service.field_lookup import FieldFinder, FieldLookup
 from attest_mav.service.observation import (
     lane_snapshots,
@@ -31,7 +33,8 @@ from attest_mav.service.settings import ServiceSettings
 from attest_mav.service.snapshot import NO_TRAFFIC, NoteCounts, Snapshot, Traffic
 from attest_mav.service.status import verdict_text
 from attest_mav.service.verdict_history import VerdictHistory
-from attest_mav.types import EarthField, Estimate, ImuSample, ParameterSample, PositionSample, Sample
+from attest_mav.types import EarthField
+from attest_mav.vehicle_reports import ParameterSample
 
 REFUSALS_NS: Final = 1_000_000_000
 """Period at which the decoder's refusals and the frames of attitudes are looked through, ns."""

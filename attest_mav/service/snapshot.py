@@ -6,8 +6,10 @@ reader makes rates of its own from two snapshots, whatever other readers do.
 
 from dataclasses import dataclass
 
+from attest_mav.estimate import Estimate
 from attest_mav.estimation.events import Verdict
-from attest_mav.types import EarthField, Estimate, VehicleKind, VehicleSettings, Version
+from attest_mav.types import EarthField, VehicleKind, Version
+from attest_mav.vehicle_settings import VehicleSettings
 
 
 @dataclass(frozen=True)

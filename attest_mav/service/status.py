@@ -4,10 +4,11 @@ from math import degrees, isfinite
 from typing import Final
 
 from attest_mav.algebra import q_to_euler
+from attest_mav.estimate import Estimate
 from attest_mav.estimation.events import Agreement, Verdict
 from attest_mav.mavlink.constants import MAV_STATE_ACTIVE, MAV_STATE_BOOT, MAV_STATE_CALIBRATING, MAV_STATE_CRITICAL
 from attest_mav.service.snapshot import LaneSnapshot, Rates, Snapshot, rates_between
-from attest_mav.types import Estimate, North
+from attest_mav.types import North
 
 STATE_NAMES: Final = {
     MAV_STATE_BOOT: "waiting",

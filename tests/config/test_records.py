@@ -17,7 +17,7 @@ from attest_mav.estimation.vehicle import SPEED_SOURCES
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.registry import default_filter, filter_names
 from attest_mav.mavlink.component.vehicle_data import POSITION_MESSAGES
-from attest_mav.types import VehicleSettings
+from attest_mav.vehicle_settings import VehicleSettings
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 

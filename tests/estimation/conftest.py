@@ -5,7 +5,8 @@ from math import cos, sin
 
 import pytest
 
-from attest_mav.types import G_MPS2, AttitudeForm, AttitudeRole, AttitudeSample, ImuSample, Quat, Vec3
+from attest_mav.samples import AttitudeSample, ImuSample
+from attest_mav.types import G_MPS2, AttitudeForm, AttitudeRole, Quat, Vec3
 
 MakeImu = Callable[..., ImuSample]
 MakeAttitude = Callable[..., AttitudeSample]

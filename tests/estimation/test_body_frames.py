@@ -10,18 +10,10 @@ from scipy.spatial.transform import Rotation
 from attest_mav.estimation.body_frames import ARDUPILOT, PX4, RULES
 from attest_mav.estimation.imu_frame import ImuFrame
 from attest_mav.estimation.vehicle import AidSettings, Vehicle
-from attest_mav.types import (
-    AttitudeForm,
-    AttitudeRole,
-    AttitudeSample,
-    Estimator,
-    EstimatorSample,
-    FirmwareSample,
-    HeartbeatSample,
-    ParameterSample,
-    Setting,
-    VehicleKind,
-)
+from attest_mav.samples import AttitudeSample
+from attest_mav.types import AttitudeForm, AttitudeRole, VehicleKind
+from attest_mav.vehicle_reports import EstimatorSample, FirmwareSample, HeartbeatSample, ParameterSample
+from attest_mav.vehicle_settings import Estimator, Setting
 
 TRIM = (0.10, -0.12, 0.05)
 POSES = ((0.0, 0.0, 0.0), (35.0, -20.0, 140.0), (-50.0, 30.0, -95.0), (170.0, -60.0, 10.0), (2.0, 70.0, 179.9))

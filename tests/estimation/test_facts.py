@@ -9,11 +9,13 @@ from math import isnan, nan, pi, sqrt
 import pytest
 
 from attest_mav.algebra import heading_between
+from attest_mav.estimate import Estimate
 from attest_mav.estimation.events import LaneEvent
 from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.types import Estimate, ParameterSample, Setting, VehicleSettings
+from attest_mav.vehicle_reports import ParameterSample
+from attest_mav.vehicle_settings import Setting, VehicleSettings
 
 DT = 0.02
 RATE = 0.5

@@ -10,17 +10,9 @@ from attest_mav.filters.velocity_aided.aids.gnss_velocity import nominal_delay_s
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.reading import read
-from attest_mav.types import (
-    G_MPS2,
-    AirDataSample,
-    EarthField,
-    HeartbeatSample,
-    ImuSample,
-    Quantum,
-    VehicleKind,
-    VelocityOrigin,
-    VelocitySample,
-)
+from attest_mav.samples import AirDataSample, ImuSample, VelocitySample
+from attest_mav.types import G_MPS2, EarthField, Quantum, VehicleKind, VelocityOrigin
+from attest_mav.vehicle_reports import HeartbeatSample
 
 SPEED = 8.0
 DT = 0.02

@@ -5,11 +5,15 @@ from math import isnan, nan, radians
 import pytest
 
 from attest_mav.algebra import heading_between, q_from_euler, q_norm, q_to_euler, tilt_between
+from attest_mav.estimate import Estimate
 from attest_mav.estimation.events import Agreement, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.velocity_aided.filter import VelocityAided
-from attest_mav.types import G_MPS2, EarthField, Estimate, HeartbeatSample, ImuSample, North, ParameterSample, Setting
+from attest_mav.samples import ImuSample
+from attest_mav.types import G_MPS2, EarthField, North
+from attest_mav.vehicle_reports import HeartbeatSample, ParameterSample
+from attest_mav.vehicle_settings import Setting
 
 DT = 0.02
 

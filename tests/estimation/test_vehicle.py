@@ -7,16 +7,9 @@ import pytest
 from attest_mav.algebra import q_from_euler
 from attest_mav.estimation.lane_inputs import LaneInputs
 from attest_mav.estimation.vehicle import AidSettings, Vehicle
-from attest_mav.types import (
-    AirDataSample,
-    HeartbeatSample,
-    LandedSample,
-    North,
-    PositionSample,
-    VehicleKind,
-    VelocityOrigin,
-    VelocitySample,
-)
+from attest_mav.samples import AirDataSample, PositionSample, VelocitySample
+from attest_mav.types import North, VehicleKind, VelocityOrigin
+from attest_mav.vehicle_reports import HeartbeatSample, LandedSample
 
 S = 1_000_000_000
 EAST = q_from_euler(0.0, 0.0, pi / 2)

@@ -5,9 +5,11 @@ from math import degrees, nan, radians
 import pytest
 
 from attest_mav.algebra import q_exp, q_from_euler, q_mul
+from attest_mav.estimate import Estimate
 from attest_mav.estimation.events import Agreement
 from attest_mav.estimation.verdict import Judge, Member, VerdictSettings
-from attest_mav.types import AttitudeForm, AttitudeRole, AttitudeSample, Estimate, North
+from attest_mav.samples import AttitudeSample
+from attest_mav.types import AttitudeForm, AttitudeRole, North
 
 LEVEL = (1.0, 0.0, 0.0, 0.0)
 STILL = (0.0, 0.0, 0.0)

@@ -11,7 +11,8 @@ import pytest
 
 from attest_mav.algebra import q_from_euler, tilt_between
 from attest_mav.filters.base import FilterInputs, Start
-from attest_mav.types import ImuSample, North
+from attest_mav.samples import ImuSample
+from attest_mav.types import North
 
 REPOSITORY = Path(__file__).parents[2]
 EXAMPLES = REPOSITORY / "examples"

@@ -13,7 +13,8 @@ from attest_mav.algebra import q_exp, q_heading, q_mul, q_unit, rotate_back
 from attest_mav.filters.base import Airspeed, BodyVelocity, FilterInputs, Start
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.registry import default_filter
-from attest_mav.types import AirspeedSource, ImuSample, North, VelocityOrigin, VelocitySample
+from attest_mav.samples import ImuSample, VelocitySample
+from attest_mav.types import AirspeedSource, North, VelocityOrigin
 
 STEPS = 100_000
 EVERY = 100

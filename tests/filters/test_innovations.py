@@ -10,7 +10,8 @@ from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.leveling.filter import Leveling
 from attest_mav.filters.robust_adaptive.filter import RobustAdaptive
 from attest_mav.innovation import Aid, Fusion
-from attest_mav.types import G_MPS2, ImuSample, North
+from attest_mav.samples import ImuSample
+from attest_mav.types import G_MPS2, North
 
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 ZERO = (0.0, 0.0, 0.0)

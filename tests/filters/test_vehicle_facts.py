@@ -7,7 +7,7 @@ import pytest
 from attest_mav.filters.registry import default_filter
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.types import Setting, VehicleSettings
+from attest_mav.vehicle_settings import Setting, VehicleSettings
 
 FACTS = VehicleSettings(42.0, 0.25)
 

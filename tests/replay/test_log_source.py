@@ -12,7 +12,9 @@ from attest_mav.logs.source import AnnotatableSource, LogSummary, MessageRoles, 
 from attest_mav.replay.engine import record, replay
 from attest_mav.replay.report import as_json
 from attest_mav.replay.request import Outputs, Request, Window
-from attest_mav.types import AttitudeRole, AttitudeSample, ImuSample, VehicleSettings
+from attest_mav.samples import AttitudeSample, ImuSample
+from attest_mav.types import AttitudeRole
+from attest_mav.vehicle_settings import VehicleSettings
 
 G = 9.80665
 ROLES = MessageRoles(

@@ -3,7 +3,8 @@ import random
 import pytest
 
 from attest_mav.replay.stamping import BurstStamp
-from attest_mav.types import NO_TIME, AttitudeRole, AttitudeSample
+from attest_mav.samples import AttitudeSample
+from attest_mav.types import NO_TIME, AttitudeRole
 
 MS = 1_000_000
 

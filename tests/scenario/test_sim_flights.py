@@ -11,6 +11,7 @@ from math import degrees, inf, radians
 import pytest
 
 from attest_mav.algebra import heading_between, tilt_between
+from attest_mav.estimate import Estimate
 from attest_mav.estimation.events import Agreement, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.filters.registry import default_filter
@@ -20,7 +21,7 @@ from attest_mav.mavlink.wire.framer import Framer
 from attest_mav.sim.autopilot import FakeAutopilot
 from attest_mav.sim.fault_text import parse_faults
 from attest_mav.sim.settings import SimSettings
-from attest_mav.types import EarthField, Estimate, North
+from attest_mav.types import EarthField, North
 
 SOURCES = {"ardupilot": "RAW_IMU", "px4": "HIGHRES_IMU"}
 

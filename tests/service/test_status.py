@@ -4,10 +4,11 @@ from math import degrees, nan, radians
 
 import pytest
 
+from attest_mav.estimate import Estimate
 from attest_mav.mavlink.constants import MAV_STATE_CALIBRATING
 from attest_mav.service.status import filter_text
 from attest_mav.sim.settings import SimSettings
-from attest_mav.types import Estimate, North
+from attest_mav.types import North
 
 GPS_RAW_INT = 24
 INERTIAL = (26, 27, 105, 116, 129)

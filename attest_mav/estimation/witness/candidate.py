@@ -19,7 +19,7 @@ from attest_mav.estimation.witness.moments import Moment
 from attest_mav.filters.base import FilterState
 from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
 from attest_mav.filters.velocity_aided.filter import VelocityAided
-from attest_mav.types import VelocitySample
+from attest_mav.samples import VelocitySample
 
 LARGEST_NIS: Final = 18.0
 """One fix counts for no more."""

@@ -3,7 +3,8 @@
 from typing import Final
 
 from attest_mav.algebra import norm
-from attest_mav.types import ImuSample, Vec3
+from attest_mav.samples import ImuSample
+from attest_mav.types import Vec3
 
 STUCK_S: Final = 0.05
 STUCK_SAMPLES: Final = 3

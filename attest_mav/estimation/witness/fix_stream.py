@@ -4,7 +4,8 @@ from math import hypot
 from typing import Final
 
 from attest_mav.algebra import norm, sub
-from attest_mav.types import Vec3, VelocitySample
+from attest_mav.samples import VelocitySample
+from attest_mav.types import Vec3
 
 FROZEN_COUNT: Final = 4
 FROZEN_SPEED: Final = 1.0

@@ -16,7 +16,8 @@ from attest_mav.filters.velocity_aided.navigation import Navigation
 from attest_mav.filters.velocity_aided.reading import field_of
 from attest_mav.filters.velocity_aided.state import VelocityAidedState
 from attest_mav.innovation import Innovation
-from attest_mav.types import ImuSample, Vec3, VelocitySample
+from attest_mav.samples import ImuSample, VelocitySample
+from attest_mav.types import Vec3
 
 UNKNOWN_VELOCITY: Final = 100.0
 """(m/s)^2: variance of a velocity of which nothing is known any more."""

@@ -23,7 +23,8 @@ from attest_mav.estimation.witness.sensor_noise import SensorNoise
 from attest_mav.estimation.witness.situation import Situation, Standing
 from attest_mav.filters.base import AttitudeFilter, FilterInputs, FilterState
 from attest_mav.filters.velocity_aided.filter import VelocityAided
-from attest_mav.types import ImuSample, Vec3
+from attest_mav.samples import ImuSample
+from attest_mav.types import Vec3
 
 FIELD_LEAST: Final = 0.02
 FIELD_USUALS: Final = 3.0

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from attest_mav.filters.base import FilterInputs, FilterState
-from attest_mav.types import ImuSample
+from attest_mav.samples import ImuSample
 
 LENGTH_NS: Final = 11_000_000_000
 """How far back a moment can be run again."""

@@ -13,7 +13,8 @@ from attest_mav.estimation.witness.flight_state import navigation_of
 from attest_mav.estimation.witness.moments import Moment
 from attest_mav.filters.base import FilterInputs, FilterState, Start
 from attest_mav.filters.velocity_aided.filter import VelocityAided
-from attest_mav.types import G_MPS2, ImuSample, North, Vec3
+from attest_mav.samples import ImuSample
+from attest_mav.types import G_MPS2, North, Vec3
 
 MEAN_S: Final = 0.3
 """Time constant of the running means."""

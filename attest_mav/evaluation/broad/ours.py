@@ -17,7 +17,8 @@ from attest_mav.filters.base import AttitudeFilter, FilterInputs, Start
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.types import ImuSample, Vec3
+from attest_mav.samples import ImuSample
+from attest_mav.types import Vec3
 
 START_S: Final = 0.1
 """The readings of so long are averaged for the start; all trials begin at rest."""

@@ -14,7 +14,8 @@ import numpy as np
 
 from attest_mav.algebra import add, scale
 from attest_mav.evaluation.flight_study.edits import restored, truncated
-from attest_mav.types import ImuSample, PositionSample, Sample, Vec3, VelocitySample
+from attest_mav.samples import ImuSample, PositionSample, Sample, VelocitySample
+from attest_mav.types import Vec3
 
 Change = Callable[[Sample], Sample | None]
 """The sample that comes in place of this one while the fault lasts; None where none comes."""

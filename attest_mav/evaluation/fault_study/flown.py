@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from attest_mav.estimate import Estimate
 from attest_mav.estimation.events import Agreement, LaneEvent
 from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.evaluation.fault_study.recording import LaneRecording
@@ -16,7 +17,8 @@ from attest_mav.filters.base import AttitudeFilter
 from attest_mav.replay.comparison import Attitude, ComparedAttitude, Comparison
 from attest_mav.replay.reference_track import ReferenceTrack
 from attest_mav.replay.stamping import BurstStamp, Stamped
-from attest_mav.types import NO_TIME, AttitudeRole, AttitudeSample, EarthField, Estimate, ImuSample, North, Sample
+from attest_mav.samples import AttitudeSample, ImuSample, Sample
+from attest_mav.types import NO_TIME, AttitudeRole, EarthField, North
 
 Column = NDArray[np.float64]
 

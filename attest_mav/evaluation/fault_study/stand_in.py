@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from attest_mav.algebra import q_exp, q_mul, scale
+from attest_mav.estimate import Estimate
 from attest_mav.estimation.lane import Lane
 from attest_mav.estimation.timebase import wrapped_difference_ns
 from attest_mav.estimation.vehicle import AidSettings, Vehicle
@@ -12,15 +13,8 @@ from attest_mav.evaluation.fault_study.recording import LaneRecording
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.replay.bridge import Knot, interpolate
 from attest_mav.replay.stamping import BurstStamp, Stamped
-from attest_mav.types import (
-    NO_TIME,
-    AttitudeRole,
-    AttitudeSample,
-    Estimate,
-    ImuSample,
-    Quat,
-    Sample,
-)
+from attest_mav.samples import AttitudeSample, ImuSample, Sample
+from attest_mav.types import NO_TIME, AttitudeRole, Quat
 
 
 class Truth:

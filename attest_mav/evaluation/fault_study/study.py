@@ -14,7 +14,7 @@ from attest_mav.evaluation.fault_study.stand_in import always_right, misled
 from attest_mav.evaluation.flight_study.flights import flying_interval
 from attest_mav.evaluation.harness import TrialMap
 from attest_mav.filters.registry import default_filter
-from attest_mav.types import ImuSample
+from attest_mav.samples import ImuSample
 
 LEAD_S: Final = 70.0
 """So much of a clean flight is flown before a fault begins: the filters have learnt their sensors by then."""

@@ -12,7 +12,7 @@ from typing import Final
 
 from attest_mav.mavlink.decode.units import MILLI
 from attest_mav.replay.log_time import LogTime
-from attest_mav.types import AirDataSample, AttitudeSample, ImuSample, PositionSample, Sample, VelocitySample
+from attest_mav.samples import AirDataSample, AttitudeSample, ImuSample, PositionSample, Sample, VelocitySample
 
 Edit = Callable[[Sequence[Sample], str], list[Sample]]
 """Samples and the name of the inertial message in, samples out."""

@@ -10,7 +10,9 @@ from attest_mav.algebra import clamp, down_in_body
 from attest_mav.evaluation.flight_study.edits import clocked
 from attest_mav.evaluation.flight_study.flying import Column
 from attest_mav.replay.engine import Recording
-from attest_mav.types import AttitudeSample, HeartbeatSample, ImuSample, Quat, VelocitySample
+from attest_mav.samples import AttitudeSample, ImuSample, VelocitySample
+from attest_mav.types import Quat
+from attest_mav.vehicle_reports import HeartbeatSample
 
 AEROPLANE: Final = 1
 """MAV_TYPE."""

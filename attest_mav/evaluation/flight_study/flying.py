@@ -21,7 +21,8 @@ from attest_mav.replay.comparison import ComparedAttitude
 from attest_mav.replay.engine import Recording, record
 from attest_mav.replay.flight import AUTOPILOT, Flight
 from attest_mav.replay.request import Window
-from attest_mav.types import EarthField, Sample
+from attest_mav.samples import Sample
+from attest_mav.types import EarthField
 
 Column = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from attest_mav.evaluation.flight_study.figures import Line, at_most, largest, s
 from attest_mav.evaluation.flight_study.flights import LEARNT_S, flying_interval, is_fast
 from attest_mav.evaluation.flight_study.flying import Chosen, Errors, Trial, flown, recorded
 from attest_mav.evaluation.harness import Bound, TrialMap
-from attest_mav.types import Sample
+from attest_mav.samples import Sample
 
 LENGTHS_S: Final = (10.0, 30.0, 60.0)
 SPACING_S: Final = 15.0

@@ -18,16 +18,9 @@ from attest_mav.evaluation.flight_study.flights import rate_hz
 from attest_mav.evaluation.flight_study.flying import Chosen, Errors, fly, recorded
 from attest_mav.replay.engine import Recording
 from attest_mav.replay.request import Window
-from attest_mav.types import (
-    G_MPS2,
-    AttitudeForm,
-    AttitudeRole,
-    AttitudeSample,
-    ImuSample,
-    ParameterSample,
-    Quat,
-    Sample,
-)
+from attest_mav.samples import AttitudeSample, ImuSample, Sample
+from attest_mav.types import G_MPS2, AttitudeForm, AttitudeRole, Quat
+from attest_mav.vehicle_reports import ParameterSample
 
 PEERS: Final = ("vqf", "imufusion")
 CARRIER: Final = "ATTITUDE_QUATERNION"

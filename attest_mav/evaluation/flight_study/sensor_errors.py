@@ -30,7 +30,8 @@ from attest_mav.algebra import add
 from attest_mav.evaluation.flight_study.edits import clocked, restored, truncated
 from attest_mav.evaluation.flight_study.flying import Column
 from attest_mav.mavlink.decode.units import MILLI, MILLI_G
-from attest_mav.types import ImuSample, PositionSample, Sample, Vec3, VelocitySample
+from attest_mav.samples import ImuSample, PositionSample, Sample, VelocitySample
+from attest_mav.types import Vec3
 
 READING_NS: Final = 100_000_000
 """A field that has been repeated for so long was read again: it has only not changed."""

@@ -14,7 +14,8 @@ from attest_mav.evaluation.motion import Array
 from attest_mav.filters.base import FilterInputs, Start
 from attest_mav.filters.gradient_descent.filter import FixedField, GradientDescent
 from attest_mav.filters.gradient_descent.gradients import full_gradient, gravity_gradient
-from attest_mav.types import G_MPS2, ImuSample, North, Quat, Vec3
+from attest_mav.samples import ImuSample
+from attest_mav.types import G_MPS2, North, Quat, Vec3
 
 GRAVITY: Final = np.array([0.0, 0.0, 1.0])
 ZERO: Final[Vec3] = (0.0, 0.0, 0.0)

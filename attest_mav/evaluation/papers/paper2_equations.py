@@ -12,7 +12,8 @@ from attest_mav.filters.base import FilterInputs, Start
 from attest_mav.filters.robust_adaptive.filter import RobustAdaptive
 from attest_mav.filters.robust_adaptive.model import measurement_jacobian
 from attest_mav.matrices4 import Mat4
-from attest_mav.types import ImuSample, North, Quat
+from attest_mav.samples import ImuSample
+from attest_mav.types import North, Quat
 
 STEP = 1e-5
 """Of the central differences."""

@@ -16,7 +16,8 @@ from attest_mav.evaluation.readings import samples_of
 from attest_mav.evaluation.simulation import NO_ERROR
 from attest_mav.filters.base import FilterInputs, Start
 from attest_mav.filters.robust_adaptive.filter import RobustAdaptive
-from attest_mav.types import G_MPS2, ImuSample, North
+from attest_mav.samples import ImuSample
+from attest_mav.types import G_MPS2, North
 
 RATE_HZ: Final = 100.0
 DURATION_S: Final = 40.0

@@ -16,7 +16,8 @@ from attest_mav.filters.base import BodyVelocity, FilterInputs, Start
 from attest_mav.filters.leveling.filter import Leveling
 from attest_mav.filters.leveling.north import EARTH_RATE
 from attest_mav.filters.leveling.state import LevelingState
-from attest_mav.types import ImuSample, North, Quat
+from attest_mav.samples import ImuSample
+from attest_mav.types import North, Quat
 
 GRAVITY: Final = 9.81
 LATITUDE: Final = radians(37.5)

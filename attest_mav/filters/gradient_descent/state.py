@@ -9,7 +9,8 @@ from attest_mav.filters.base import FilterState
 from attest_mav.filters.gradient_descent.options import OptionMemory
 from attest_mav.innovation import Aid, Fusion, Innovation
 from attest_mav.plausible import is_field
-from attest_mav.types import ImuSample, Quat, Vec3
+from attest_mav.samples import ImuSample
+from attest_mav.types import Quat, Vec3
 
 
 @mypyc_attr(acyclic=True, free_list_len=1)  # no cycles, and one spare kept: a new state replaces the last one

@@ -47,7 +47,8 @@ from attest_mav.filters.leveling.update import constrain_length, fuse_velocity, 
 from attest_mav.innovation import Aid, Fusion
 from attest_mav.matrices import axes_turn, diagonal, largest_variance
 from attest_mav.plausible import MAX_SPEED, is_force, is_heading, is_rate
-from attest_mav.types import G_MPS2, NO_TIME, ImuSample, North, Vec3
+from attest_mav.samples import ImuSample
+from attest_mav.types import G_MPS2, NO_TIME, North, Vec3
 
 LONGEST_STEP_S: Final = 0.1
 """A longer step is taken in parts of ``PART_S`` at most, s."""

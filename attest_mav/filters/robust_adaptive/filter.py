@@ -38,7 +38,8 @@ from attest_mav.matrices4 import (
     symmetric4,
 )
 from attest_mav.plausible import is_force, is_rate
-from attest_mav.types import G_MPS2, ImuSample, Quat
+from attest_mav.samples import ImuSample
+from attest_mav.types import G_MPS2, Quat
 
 MIN_LENGTH: Final = 0.5
 """A quaternion that a correction leaves shorter than this, like a covariance with a negative variance or NaN, is

@@ -10,7 +10,8 @@ from attest_mav.filters.base import FilterState
 from attest_mav.filters.robust_adaptive.model import attitude_variances
 from attest_mav.innovation import Aid, Fusion, Innovation
 from attest_mav.matrices4 import Mat4
-from attest_mav.types import ImuSample, Quat, Vec3
+from attest_mav.samples import ImuSample
+from attest_mav.types import Quat, Vec3
 
 
 @mypyc_attr(acyclic=True, free_list_len=1)  # as GradientDescentState

@@ -29,7 +29,7 @@ from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.prediction import ImuMemory, predict
 from attest_mav.filters.velocity_aided.reading import Reading, field_of
 from attest_mav.innovation import Aid, Fusion, Innovation
-from attest_mav.types import ImuSample, VelocitySample
+from attest_mav.samples import ImuSample, VelocitySample
 
 LOST_S: Final = 2.0
 """Without a fix for this long the velocity counts as lost, s."""

@@ -39,7 +39,9 @@ from attest_mav.filters.velocity_aided.reset import (
 )
 from attest_mav.filters.velocity_aided.state import VelocityAidedState
 from attest_mav.plausible import is_rate
-from attest_mav.types import ImuSample, Quat, Setting, Vec3, VehicleSettings
+from attest_mav.samples import ImuSample
+from attest_mav.types import Quat, Vec3
+from attest_mav.vehicle_settings import Setting, VehicleSettings
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,8 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.plausible import is_field, is_force
-from attest_mav.types import ImuSample, Vec3
+from attest_mav.samples import ImuSample
+from attest_mav.types import Vec3
 
 
 @mypyc_attr(acyclic=True)

@@ -3,11 +3,11 @@
 from mmap import mmap
 from typing import Final
 
+from attest_mav.estimate import Estimate
 from attest_mav.logs.source import ByteSink
 from attest_mav.logs.tlog.reader import tlog_record
 from attest_mav.mavlink.component.encoder import Encoder
 from attest_mav.mavlink.component.outputs import boot_ms, is_sound
-from attest_mav.types import Estimate
 
 OUR_COMPONENT: Final = 193
 """The component id of inserted messages, the daemon's default."""

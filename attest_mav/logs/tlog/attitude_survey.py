@@ -5,7 +5,7 @@ from math import pi
 from typing import Final
 
 from attest_mav.logs.source import VehicleId
-from attest_mav.types import AttitudeSample
+from attest_mav.samples import AttitudeSample
 
 WIDEST: Final = 2.0 * pi + 0.1
 """No angle of an attitude in radians is larger."""

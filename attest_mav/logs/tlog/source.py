@@ -19,7 +19,7 @@ from attest_mav.mavlink.decode.decoder import Decoder, of_message
 from attest_mav.mavlink.decode.units import MagnitudeCheck
 from attest_mav.mavlink.dialect import Dialect, load_dialect
 from attest_mav.mavlink.wire.frame import Frame
-from attest_mav.types import Sample
+from attest_mav.samples import Sample
 
 FIX: Final = "GPS_RAW_INT"
 BARE_NOTE: Final = "a bare MAVLink stream, without the times of arrival of a tlog: it is read by the vehicle's clock"

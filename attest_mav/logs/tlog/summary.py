@@ -16,7 +16,8 @@ from attest_mav.mavlink.constants import (
 )
 from attest_mav.mavlink.decode.autopilot_parameters import facts_of_firmware
 from attest_mav.mavlink.dialect import Dialect
-from attest_mav.types import ParameterSample, Sample
+from attest_mav.samples import Sample
+from attest_mav.vehicle_reports import ParameterSample
 
 
 def summarize(survey: Survey, clocks: LogClocks, dialect: Dialect, log_format: str, length: int) -> LogSummary:

@@ -14,15 +14,8 @@ from attest_mav.mavlink.decode.boot_clock import UNIX_US, BootClock
 from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
-from attest_mav.types import (
-    AttitudeSample,
-    ClockSample,
-    FirmwareSample,
-    HeartbeatSample,
-    ParameterSample,
-    PositionSample,
-    VelocitySample,
-)
+from attest_mav.samples import AttitudeSample, PositionSample, VelocitySample
+from attest_mav.vehicle_reports import ClockSample, FirmwareSample, HeartbeatSample, ParameterSample
 
 
 class Survey:

@@ -12,8 +12,9 @@ from typing import Final
 
 from attest_mav.mavlink.component.notes import Notebook
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_INVALID
-from attest_mav.mavlink.decode.autopilot_parameters import names_of, quantity, with_unit
-from attest_mav.types import ParameterSample, Setting, VehicleSettings
+from attest_mav.mavlink.decode.autopilot_parameters import names_of
+from attest_mav.vehicle_reports import ParameterSample
+from attest_mav.vehicle_settings import Setting, VehicleSettings, quantity, with_unit
 
 FIRST_PAUSE_NS: Final = 1_000_000_000
 """Pause after the first request; it doubles after each one."""

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from math import degrees
 from typing import Final
 
+from attest_mav.estimate import Estimate
 from attest_mav.mavlink.component.commands import CommandReader, answer
 from attest_mav.mavlink.component.discovery import Vehicle, VehicleDiscovery
 from attest_mav.mavlink.component.notes import Notebook
@@ -26,7 +27,7 @@ from attest_mav.mavlink.constants import (
 )
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.framer import Frame
-from attest_mav.types import Estimate, ParameterSample
+from attest_mav.vehicle_reports import ParameterSample
 
 HEARTBEAT_NS: Final = 1_000_000_000
 UNKNOWN_SYSTEM: Final = 1

@@ -10,8 +10,8 @@ from math import isfinite, isnan, nan
 from typing import Final
 
 from attest_mav.algebra import is_finite, norm, q_norm
+from attest_mav.estimate import Estimate
 from attest_mav.mavlink.component.encoder import COVARIANCE_UNKNOWN, Encoder
-from attest_mav.types import Estimate
 
 MAX_RATE: Final = 1e4
 """rad/s: a rate beyond this is no rate, and a float of 32 bits could not hold any double."""

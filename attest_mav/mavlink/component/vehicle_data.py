@@ -23,9 +23,11 @@ from attest_mav.mavlink.constants import (
     MAV_DATA_STREAM_RAW_SENSORS,
     NO_DATA_STREAM,
 )
-from attest_mav.mavlink.decode.readers import KINDS
+from attest_mav.mavlink.decode.vehicle_kinds import vehicle_kind
 from attest_mav.mavlink.dialect import Dialect
-from attest_mav.types import ParameterSample, VehicleKind, VehicleSettings
+from attest_mav.types import VehicleKind
+from attest_mav.vehicle_reports import ParameterSample
+from attest_mav.vehicle_settings import VehicleSettings
 
 OTHER_MESSAGES: Final = (
     "ATTITUDE",
@@ -100,7 +102,7 @@ class VehicleData:
             messages = list(self._settings.imu_messages) or preferred_messages(autopilot)
             self._choice = ImuChoice(messages, now_ns)
         self._autopilot = autopilot
-        self._is_plane = KINDS.get(vehicle_type) == VehicleKind.WING
+        self._is_plane = vehicle_kind(vehicle_type) == VehicleKind.WING
         self.begin(now_ns)
 
     def forget(self) -> None:

@@ -14,10 +14,14 @@ from typing import Final
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_ARDUPILOTMEGA as ARDUPILOT
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_PX4 as PX4
 from attest_mav.mavlink.constants import MAV_PARAM_TYPE_INT32, UINT16_MAX
-from attest_mav.mavlink.decode.readers import KINDS, Reader
+from attest_mav.mavlink.decode.reader import Reader
+from attest_mav.mavlink.decode.vehicle_kinds import vehicle_kind
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
-from attest_mav.types import ParameterSample, Sample, Setting, VehicleKind, VehicleSettings
+from attest_mav.samples import Sample
+from attest_mav.types import VehicleKind
+from attest_mav.vehicle_reports import ParameterSample
+from attest_mav.vehicle_settings import Setting, VehicleSettings
 
 DEGREE: Final = pi / 180.0
 WORD: Final = float(1 << 31)
@@ -79,20 +83,6 @@ PARAMETERS: Final = (
 """ArduPilot 4.6 gave GPS_DELAY_MS its new name, and 4.5 TRIM_PITCH_CD (in hundredths); of PX4's two delays the second
 is the newer. AHRS_TRIM is limited to 10 degrees where the autopilot calibrates it, and not where a user sets it."""
 
-QUANTITIES: Final = {
-    Setting.LOW_PASS_HZ: ("gyro low-pass", "Hz"),
-    Setting.FIX_DELAY_S: ("GPS delay", "s"),
-    Setting.ACCEL_LOW_PASS_HZ: ("accelerometer low-pass", "Hz"),
-    Setting.TRIM_X: ("trim", "rad"),
-    Setting.TRIM_Y: ("trim", "rad"),
-    Setting.TRIM_Z: ("trim", "rad"),
-    Setting.PITCH_TRIM: ("pitch trim", "rad"),
-    Setting.HOVER_PITCH_TRIM: ("pitch trim in the hover", "rad"),
-    Setting.DECLINATION: ("declination", "rad"),
-}
-"""Settings with a unit: the quantity in words, and its unit."""
-
-
 ROVER_LOW_PASS_HZ: Final = 4.0
 """ArduPilot's default of INS_GYRO_FILTER on ground vehicles and boats, Hz; 20 on all others."""
 ROVER_DELAY_SIGMA_S: Final = 0.02
@@ -103,7 +93,7 @@ def facts_of_firmware(autopilot: int, vehicle_type: int) -> VehicleSettings:
     """The settings that every vehicle with this MAV_AUTOPILOT and MAV_TYPE has before it sends any."""
     if autopilot == PX4:
         return VehicleSettings(low_pass_hz=0.0)
-    if autopilot == ARDUPILOT and KINDS.get(vehicle_type) == VehicleKind.SURFACE:
+    if autopilot == ARDUPILOT and vehicle_kind(vehicle_type) == VehicleKind.SURFACE:
         assumed = VehicleSettings(low_pass_hz=ROVER_LOW_PASS_HZ)
         return assumed.updated(Setting.LOW_PASS_DELAY_SIGMA_S, ROVER_DELAY_SIGMA_S)
     return VehicleSettings()
@@ -121,18 +111,6 @@ def names_of(setting: Setting, autopilot: int, is_plane: bool = True) -> list[st
 def parameter_bytes() -> frozenset[bytes]:
     """All names as PARAM_VALUE carries them, without the zeros behind them."""
     return frozenset([one.name.encode() for one in PARAMETERS])
-
-
-def quantity(setting: Setting) -> str:
-    """Name of the setting for people."""
-    known = QUANTITIES.get(setting)
-    return setting.name.lower().replace("_", " ") if known is None else known[0]
-
-
-def with_unit(setting: Setting, value: float) -> str:
-    """A value of the setting with its unit, for people."""
-    known = QUANTITIES.get(setting)
-    return f"{value:g}" if known is None else f"{value:g} {known[1]}"
 
 
 class ParameterReader(Reader):

@@ -7,28 +7,20 @@ are refused until a HEARTBEAT has given its MAV_AUTOPILOT. Refusals are results,
 from typing import Final
 
 from attest_mav.mavlink.constants import INERTIAL_MESSAGES
+from attest_mav.mavlink.decode.attitude_readers import AttitudeReader, QuaternionReader, SimStateReader
 from attest_mav.mavlink.decode.autopilot_parameters import ParameterReader
 from attest_mav.mavlink.decode.boot_clock import BootClock
 from attest_mav.mavlink.decode.firmware import AutopilotVersionReader, StatusTextReader
 from attest_mav.mavlink.decode.imu_reader import ImuReader
-from attest_mav.mavlink.decode.imu_source import ImuLane
-from attest_mav.mavlink.decode.readers import (
-    CENTI,
-    AttitudeReader,
-    ClockReader,
-    GpsReader,
-    HeartbeatReader,
-    HudReader,
-    LandedReader,
-    QuaternionReader,
-    Reader,
-    SimStateReader,
-    VelocityReader,
-)
+from attest_mav.mavlink.decode.motion_readers import CENTI, GpsReader, HudReader, VelocityReader
+from attest_mav.mavlink.decode.reader import Reader
+from attest_mav.mavlink.decode.sensor_reader import SensorReader
 from attest_mav.mavlink.decode.units import RawScales
+from attest_mav.mavlink.decode.vehicle_readers import ClockReader, HeartbeatReader, LandedReader
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
-from attest_mav.types import AttitudeRole, Sample
+from attest_mav.samples import Sample
+from attest_mav.types import AttitudeRole
 
 MAGNETOMETER: Final = " magnetometer"
 """Marks the refusal of a message's field alone."""
@@ -92,31 +84,31 @@ class Decoder:
     def refusals(self) -> dict[str, str]:
         """Why a source gives no samples at present, by source; ``RAW_IMU magnetometer`` for a missing field alone."""
         reasons = {reader.name: reader.refusal for reader in self._readers.values() if reader.refusal}
-        for lane in self._lanes():
-            if lane.refusal:
-                reasons[lane.source] = lane.refusal
-            if lane.field_refusal:
-                reasons[lane.source + MAGNETOMETER] = lane.field_refusal
+        for sensor in self._sensors():
+            if sensor.refusal:
+                reasons[sensor.source] = sensor.refusal
+            if sensor.field_refusal:
+                reasons[sensor.source + MAGNETOMETER] = sensor.field_refusal
         return reasons
 
     @property
     def refused(self) -> dict[str, int]:
         """How many messages gave no sample, by source."""
         counts = {reader.name: reader.refused for reader in self._readers.values() if reader.refused}
-        for lane in self._lanes():
-            if lane.refused:
-                counts[lane.source] = counts.get(lane.source, 0) + lane.refused
+        for sensor in self._sensors():
+            if sensor.refused:
+                counts[sensor.source] = counts.get(sensor.source, 0) + sensor.refused
         return counts
 
     @property
     def notes(self) -> dict[str, str]:
         """What a user should know about a source, by source."""
-        return {lane.source: lane.note for lane in self._lanes() if lane.note}
+        return {sensor.source: sensor.note for sensor in self._sensors() if sensor.note}
 
     @property
     def independent(self) -> dict[str, bool]:
         """Whether an inertial source owes nothing to the autopilot's estimator, by source."""
-        return {lane.source: lane.row.independent for lane in self._lanes()}
+        return {sensor.source: sensor.row.independent for sensor in self._sensors()}
 
-    def _lanes(self) -> list[ImuLane]:
-        return [lane for reader in self._imu for lane in reader.lanes.values()]
+    def _sensors(self) -> list[SensorReader]:
+        return [sensor for reader in self._imu for sensor in reader.sensors.values()]

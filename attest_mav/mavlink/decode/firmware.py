@@ -3,10 +3,13 @@
 import re
 from typing import Final
 
-from attest_mav.mavlink.decode.readers import Reader
+from attest_mav.mavlink.decode.reader import Reader
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
-from attest_mav.types import Estimator, EstimatorSample, FirmwareSample, Sample, Version
+from attest_mav.samples import Sample
+from attest_mav.types import Version
+from attest_mav.vehicle_reports import EstimatorSample, FirmwareSample
+from attest_mav.vehicle_settings import Estimator
 
 BANNER: Final = re.compile(
     r"(?:Ardu(?:Copter|Plane|Rover|Sub)|APM:\w+|Rover|Blimp|AntennaTracker) V(\d+)\.(\d+)(?:\.(\d+))?"

@@ -8,16 +8,17 @@ from attest_mav.mavlink.constants import (
     HIGHRES_IMU_UPDATED_MAG,
 )
 from attest_mav.mavlink.decode.boot_clock import BootClock, time_refusal
-from attest_mav.mavlink.decode.imu_source import ImuLane
-from attest_mav.mavlink.decode.readers import Reader
+from attest_mav.mavlink.decode.reader import Reader
+from attest_mav.mavlink.decode.sensor_reader import SensorReader
 from attest_mav.mavlink.decode.units import RawScales, unit_row
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
-from attest_mav.types import Sample, Vec3
+from attest_mav.samples import Sample
+from attest_mav.types import Vec3
 
 
 class ImuReader(Reader):
-    """RAW_IMU, SCALED_IMU, SCALED_IMU2, SCALED_IMU3 and HIGHRES_IMU: one ImuLane for each sensor of each sender.
+    """RAW_IMU, SCALED_IMU, SCALED_IMU2, SCALED_IMU3 and HIGHRES_IMU: one SensorReader for each sensor of each sender.
 
     RAW_IMU and HIGHRES_IMU carry the sensor's number; above 0 it becomes part of the source: ``RAW_IMU#1``.
     """
@@ -32,7 +33,7 @@ class ImuReader(Reader):
     ) -> None:
         super().__init__(name)
         self._boot_clock: Final = boot_clock
-        self.lanes: Final[dict[int, ImuLane]] = {}
+        self.sensors: Final[dict[int, SensorReader]] = {}
         self._autopilots: Final = autopilots
         self._raw_scales: Final = raw_scales
         layout = dialect.layout(name)
@@ -59,18 +60,18 @@ class ImuReader(Reader):
         t_ns = self._boot_clock.since_boot_ns(frame.system, time) if self._in_us else 1_000_000 * time
         if t_ns < 0:
             return self.refuse(frame, time_refusal(t_ns, time))
-        lane = self.lanes.get((frame.system << 16) | (frame.component << 8) | number)
-        if lane is None:
-            lane = self._open_lane(frame, number)
-            if lane is None:
+        sensor = self.sensors.get((frame.system << 16) | (frame.component << 8) | number)
+        if sensor is None:
+            sensor = self._open_sensor(frame, number)
+            if sensor is None:
                 return []
         accel: Vec3 = (values[1], values[2], values[3])
         gyro: Vec3 = (values[4], values[5], values[6])
         field: Vec3 = (values[7], values[8], values[9])
-        return lane.accept(t_ns, frame.rx_ns, accel, gyro, field, field_sent)
+        return sensor.accept(t_ns, frame.rx_ns, accel, gyro, field, field_sent)
 
-    def _open_lane(self, frame: Frame, number: int) -> ImuLane | None:
-        """The lane of a sensor seen for the first time; None, and a refusal, while its units are not known."""
+    def _open_sensor(self, frame: Frame, number: int) -> SensorReader | None:
+        """The sensor of a sensor seen for the first time; None, and a refusal, while its units are not known."""
         autopilot = self._autopilots.get(frame.system)
         if autopilot is None:
             self.refuse(frame, "its autopilot is not known yet (no HEARTBEAT so far), so its units are not either")
@@ -85,6 +86,6 @@ class ImuReader(Reader):
             return None
         self.refusal = ""
         source = f"{self.name}#{number}" if number > 0 else self.name
-        lane = ImuLane(source, frame.system, frame.component, row)
-        self.lanes[(frame.system << 16) | (frame.component << 8) | number] = lane
-        return lane
+        sensor = SensorReader(source, frame.system, frame.component, row)
+        self.sensors[(frame.system << 16) | (frame.component << 8) | number] = sensor
+        return sensor

@@ -9,7 +9,8 @@ from attest_mav.estimation.witness.doubt import Doubt
 from attest_mav.estimation.witness.field_watch import FieldWatch
 from attest_mav.estimation.witness.fix_stream import FixStream
 from attest_mav.estimation.witness.naming import sensor_text
-from attest_mav.types import ImuSample, VelocityOrigin, VelocitySample
+from attest_mav.samples import ImuSample, VelocitySample
+from attest_mav.types import VelocityOrigin
 
 DT = 0.02
 S = 1_000_000_000

@@ -4,7 +4,8 @@ import pytest
 
 from attest_mav.evaluation.fault_study import edits
 from attest_mav.evaluation.fault_study.edits import faulted
-from attest_mav.types import ImuSample, Quantum, VelocityOrigin, VelocitySample
+from attest_mav.samples import ImuSample, VelocitySample
+from attest_mav.types import Quantum, VelocityOrigin
 
 COUNTS = Quantum(1e-3, 9.80665e-3, 1e-3)
 S = 1_000_000_000

@@ -2,18 +2,9 @@ from pathlib import Path
 
 import pytest
 
-from attest_mav.types import (
-    G_MPS2,
-    AttitudeRole,
-    AttitudeSample,
-    HeartbeatSample,
-    ImuSample,
-    PositionSample,
-    Quantum,
-    VehicleKind,
-    VelocityOrigin,
-    VelocitySample,
-)
+from attest_mav.samples import AttitudeSample, ImuSample, PositionSample, VelocitySample
+from attest_mav.types import G_MPS2, AttitudeRole, Quantum, VehicleKind, VelocityOrigin
+from attest_mav.vehicle_reports import HeartbeatSample
 
 MS = 1_000_000
 START_MS = 5000

@@ -11,7 +11,7 @@ from attest_mav.evaluation.flight_study.edits import (
     with_iron,
     without_velocity,
 )
-from attest_mav.types import AirDataSample, AttitudeSample, ImuSample, PositionSample, VelocitySample
+from attest_mav.samples import AirDataSample, AttitudeSample, ImuSample, PositionSample, VelocitySample
 
 START_S = 5.0
 

@@ -14,7 +14,7 @@ from attest_mav.mavlink.dialect import load_dialect
 from attest_mav.replay.engine import replay
 from attest_mav.replay.report import as_json
 from attest_mav.replay.request import Outputs, Request, Window
-from attest_mav.types import VelocitySample
+from attest_mav.samples import VelocitySample
 
 
 @pytest.mark.parametrize("name", ["gradient-descent", "velocity-aided"])

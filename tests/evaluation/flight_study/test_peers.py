@@ -7,7 +7,9 @@ from attest_mav.evaluation.flight_study.flying import recorded
 from attest_mav.evaluation.flight_study.peers import CARRIER, PEERS, _steps, installed_peers, peer_flown, with_peer
 from attest_mav.logs.source import Plan
 from attest_mav.replay.engine import Recording
-from attest_mav.types import AttitudeSample, ParameterSample, Setting, VehicleSettings
+from attest_mav.samples import AttitudeSample
+from attest_mav.vehicle_reports import ParameterSample
+from attest_mav.vehicle_settings import Setting, VehicleSettings
 
 AT_REST = Plan((1, 1), "RAW_IMU", "SIM_STATE", None, "RAW_IMU")
 

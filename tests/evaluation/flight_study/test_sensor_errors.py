@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from attest_mav.evaluation.flight_study.sensor_errors import SETS, SensorErrors, with_sensor_errors
-from attest_mav.types import ImuSample, PositionSample, VelocitySample
+from attest_mav.samples import ImuSample, PositionSample, VelocitySample
 
 NONE = SensorErrors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 

@@ -14,7 +14,8 @@ from attest_mav.filters.base import FilterInputs, Start
 from attest_mav.filters.gradient_descent.filter import FixedField, GradientDescent
 from attest_mav.filters.gradient_descent.gradients import field_misfit, full_gradient, gravity_gradient
 from attest_mav.filters.gradient_descent.state import GradientDescentState
-from attest_mav.types import G_MPS2, ImuSample, North
+from attest_mav.samples import ImuSample
+from attest_mav.types import G_MPS2, North
 
 Q = q_from_euler(0.1, -0.2, 0.3)
 GYRO = (0.05, -0.02, 0.1)

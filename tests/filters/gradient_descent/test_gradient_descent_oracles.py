@@ -14,7 +14,8 @@ from attest_mav.evaluation.papers.paper1 import FIELD, HANDHELD, NO_BIAS
 from attest_mav.evaluation.simulation import SensorErrors, imu_samples, run_filter
 from attest_mav.filters.base import FilterInputs, Start
 from attest_mav.filters.gradient_descent.filter import GradientDescent
-from attest_mav.types import G_MPS2, ImuSample, North
+from attest_mav.samples import ImuSample
+from attest_mav.types import G_MPS2, North
 
 DT_S = 0.01
 SETTLED = 2000

@@ -30,7 +30,8 @@ from attest_mav.filters.gradient_descent.options import OptionMemory
 from attest_mav.filters.gradient_descent.state import GradientDescentState, OptionState
 from attest_mav.filters.gradient_descent.stationary_bias import StationaryBias, detect_bias, initial_bias
 from attest_mav.low_pass import Smoothed, smoothed, steady
-from attest_mav.types import G_MPS2, ImuSample, North
+from attest_mav.samples import ImuSample
+from attest_mav.types import G_MPS2, North
 
 ZERO = (0.0, 0.0, 0.0)
 LEVEL = (0.0, 0.0, -G_MPS2)

@@ -22,7 +22,8 @@ from attest_mav.algebra import (
 from attest_mav.filters.base import BodyVelocity, FilterInputs, Start
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.leveling.filter import Leveling
-from attest_mav.types import G_MPS2, ImuSample, North
+from attest_mav.samples import ImuSample
+from attest_mav.types import G_MPS2, North
 
 ONE = (1.0, 0.0, 0.0, 0.0)
 ZERO = (0.0, 0.0, 0.0)

@@ -32,7 +32,8 @@ from attest_mav.filters.robust_adaptive.model import (
     state_variances_of,
 )
 from attest_mav.matrices4 import add4, diagonal4, scaled4
-from attest_mav.types import G_MPS2, ImuSample, North
+from attest_mav.samples import ImuSample
+from attest_mav.types import G_MPS2, North
 
 Q = q_from_euler(0.1, -0.2, 0.3)
 ONE = (1.0, 0.0, 0.0, 0.0)

@@ -15,7 +15,8 @@ import pytest
 from attest_mav.algebra import heading_between, q_from_euler, rotate, rotate_back, tilt_between
 from attest_mav.filters.base import Airspeed, FilterInputs, Start
 from attest_mav.filters.velocity_aided.filter import VelocityAided
-from attest_mav.types import G_MPS2, AirspeedSource, ImuSample, North, Quantum, VelocityOrigin, VelocitySample
+from attest_mav.samples import ImuSample, VelocitySample
+from attest_mav.types import G_MPS2, AirspeedSource, North, Quantum, VelocityOrigin
 
 RECEIVER = VelocityOrigin.RECEIVER
 DECLINATION = radians(3.0)

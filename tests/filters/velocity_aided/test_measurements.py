@@ -14,7 +14,8 @@ from attest_mav.filters.velocity_aided.measurement import Measurement
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, cross_covariance_of, update
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.matrices import diagonal
-from attest_mav.types import G_MPS2, ImuSample, VelocityOrigin, VelocitySample
+from attest_mav.samples import ImuSample, VelocitySample
+from attest_mav.types import G_MPS2, VelocityOrigin
 
 SETTINGS = FlightParameters()
 Q = (0.8, 0.3, -0.4, 0.33)

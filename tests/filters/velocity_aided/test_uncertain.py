@@ -6,7 +6,8 @@ import pytest
 
 from attest_mav.filters.base import FilterInputs
 from attest_mav.filters.velocity_aided.filter import VelocityAided
-from attest_mav.types import ImuSample, VehicleSettings, VelocitySample
+from attest_mav.samples import ImuSample, VelocitySample
+from attest_mav.vehicle_settings import VehicleSettings
 
 from .conftest import RECEIVER
 

@@ -14,7 +14,8 @@ from attest_mav.filters.base import FilterInputs, Start
 from attest_mav.filters.velocity_aided.control import AidingMode
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.types import ImuSample, North, VelocitySample
+from attest_mav.samples import ImuSample, VelocitySample
+from attest_mav.types import North
 
 from .conftest import RECEIVER, changed, gusty, rms, wing, with_inputs, with_reading
 

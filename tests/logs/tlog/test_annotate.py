@@ -3,6 +3,7 @@ import math
 
 import pytest
 
+from attest_mav.estimate import Estimate
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.logs.tlog.annotate import OUR_COMPONENT, AnnotatedLogWriter
 from attest_mav.logs.tlog.reader import TlogReader
@@ -10,7 +11,7 @@ from attest_mav.logs.tlog.source import TlogSource
 from attest_mav.mavlink.component.encoder import Encoder
 from attest_mav.replay.engine import replay
 from attest_mav.replay.request import Outputs, Request, Window
-from attest_mav.types import Estimate, North
+from attest_mav.types import North
 
 
 class Rows:

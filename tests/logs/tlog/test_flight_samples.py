@@ -4,7 +4,8 @@ import collections
 
 from attest_mav.logs.tlog.reader import TlogReader
 from attest_mav.mavlink.decode.decoder import Decoder
-from attest_mav.types import Estimator, EstimatorSample
+from attest_mav.vehicle_reports import EstimatorSample
+from attest_mav.vehicle_settings import Estimator
 
 COPTER = {
     "HEARTBEAT": 319,

@@ -8,7 +8,8 @@ from pymavlink.dialects.v20 import all as pymav
 
 from attest_mav.mavlink.component.companion import CompanionSettings
 from attest_mav.mavlink.component.vehicle_data import DataSettings
-from attest_mav.types import ParameterSample, Setting, VehicleSettings
+from attest_mav.vehicle_reports import ParameterSample
+from attest_mav.vehicle_settings import Setting, VehicleSettings
 
 BOTH = VehicleSettings(20.0, 0.1)
 

@@ -7,7 +7,7 @@ from attest_mav.mavlink.component.companion import CompanionSettings
 from attest_mav.mavlink.component.vehicle_data import DataSettings
 from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.wire.framer import Framer
-from attest_mav.types import ImuSample
+from attest_mav.samples import ImuSample
 
 SECOND = 1_000_000_000
 RAW_IMU, SCALED_IMU, SCALED_IMU2, HIGHRES_IMU = 27, 26, 116, 105

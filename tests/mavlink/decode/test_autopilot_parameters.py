@@ -8,7 +8,8 @@ from pymavlink.dialects.v20 import all as pymav
 
 from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.wire.framer import Framer
-from attest_mav.types import NO_TIME, Setting
+from attest_mav.types import NO_TIME
+from attest_mav.vehicle_settings import Setting
 
 REAL32, INT32, INT16 = pymav.MAV_PARAM_TYPE_REAL32, pymav.MAV_PARAM_TYPE_INT32, pymav.MAV_PARAM_TYPE_INT16
 

@@ -7,7 +7,8 @@ from attest_mav.mavlink.decode.boot_clock import IMPOSSIBLE, UNKNOWN, BootClock
 from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.dialect import load_dialect
 from attest_mav.mavlink.wire.framer import Framer
-from attest_mav.types import ClockSample, ImuSample
+from attest_mav.samples import ImuSample
+from attest_mav.vehicle_reports import ClockSample
 
 BOOT_US = 1_790_000_000_000_000
 """A day in 2026."""

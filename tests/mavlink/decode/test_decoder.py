@@ -7,7 +7,7 @@ import struct
 import pytest
 from pymavlink.dialects.v20 import all as pymav
 
-from attest_mav import types
+from attest_mav import samples, types
 from attest_mav.mavlink.decode.decoder import Decoder, of_message
 from attest_mav.mavlink.wire.framer import Framer
 
@@ -107,7 +107,7 @@ def test_other_messages_give_nothing(hear):
 @pytest.mark.parametrize("kind", ["v1", "v2", "signed"])
 def test_attitude(hear, kind):
     (sample,) = hear(pymav.MAVLink_attitude_message(4_294_967_295, 0.3, -0.7, 2.5, 0.1, -0.2, 0.3), kind)
-    assert isinstance(sample, types.AttitudeSample)
+    assert isinstance(sample, samples.AttitudeSample)
     assert sample.t_ns == 4_294_967_295_000_000
     assert sample.rates == (f32(0.1), f32(-0.2), f32(0.3))
     assert_same_rotation(sample.q_nb, matrix_of_euler(0.3, -0.7, 2.5))
@@ -209,11 +209,11 @@ def gps(fix=3, vel=500, cog=12000):
 
 def test_gps_velocity_and_position(hear):
     velocity, position = hear(gps())
-    assert isinstance(velocity, types.VelocitySample)
+    assert isinstance(velocity, samples.VelocitySample)
     assert velocity.t_ns == position.t_ns == 123_456_789_000
     assert velocity.v_ned == pytest.approx((-2.5, 5.0 * math.sqrt(0.75), 0.0), abs=1e-12)
     assert velocity.vertical_known is False
-    assert isinstance(position, types.PositionSample)
+    assert isinstance(position, samples.PositionSample)
     assert position.latitude_deg == pytest.approx(-35.3629847, abs=1e-12)
     assert position.longitude_deg == pytest.approx(149.1649392, abs=1e-12)
     assert position.altitude_m == pytest.approx(587.85, abs=1e-12)
@@ -231,8 +231,8 @@ def test_better_fixes_count_too(hear, fix):
 
 
 def test_gps_of_unknown_speed_or_course_is_a_position_alone(hear):
-    assert [type(sample) for sample in hear(gps(vel=65535))] == [types.PositionSample]
-    assert [type(sample) for sample in hear(gps(cog=65535))] == [types.PositionSample]
+    assert [type(sample) for sample in hear(gps(vel=65535))] == [samples.PositionSample]
+    assert [type(sample) for sample in hear(gps(cog=65535))] == [samples.PositionSample]
 
 
 def test_gps_at_rest_needs_no_course(hear):

@@ -5,7 +5,8 @@ from pymavlink.dialects.v20 import all as pymav
 
 from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.wire.framer import Framer
-from attest_mav.types import Estimator, EstimatorSample, FirmwareSample
+from attest_mav.vehicle_reports import EstimatorSample, FirmwareSample
+from attest_mav.vehicle_settings import Estimator
 
 
 @pytest.fixture

@@ -20,7 +20,8 @@ from attest_mav.filters.velocity_aided.nav_state import (
 )
 from attest_mav.filters.velocity_aided.reading import field_of
 from attest_mav.matrices import mat_t_vec
-from attest_mav.types import ImuSample, Mat3, Vec3
+from attest_mav.samples import ImuSample
+from attest_mav.types import Mat3, Vec3
 
 
 @mypyc_attr(acyclic=True)

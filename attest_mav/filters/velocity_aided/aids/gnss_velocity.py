@@ -26,7 +26,8 @@ from attest_mav.filters.velocity_aided.nav_state import (
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.innovation import Aid, Fusion, Innovation
 from attest_mav.plausible import is_velocity
-from attest_mav.types import Vec3, VelocityOrigin, VelocitySample
+from attest_mav.samples import VelocitySample
+from attest_mav.types import Vec3, VelocityOrigin
 
 POWER_SHARE: Final = 0.05
 """Weight of a new innovation in the running mean square."""

@@ -21,7 +21,8 @@ from attest_mav.filters.velocity_aided.measurement import CrossCovariance
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, cross_covariance_of, fuse
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.innovation import Aid, Fusion, Innovation
-from attest_mav.types import ImuSample, Vec3
+from attest_mav.samples import ImuSample
+from attest_mav.types import Vec3
 
 REUSE_S: Final = 0.5
 """At rest an unchanged reading is fused again after this long, s."""

@@ -20,7 +20,8 @@ from attest_mav.filters.velocity_aided.history import DeltaVelocityHistory, appe
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.reading import Reading, field_of
 from attest_mav.plausible import is_velocity
-from attest_mav.types import ImuSample, Quat, Vec3, VelocitySample
+from attest_mav.samples import ImuSample, VelocitySample
+from attest_mav.types import Quat, Vec3
 
 LIMITS: Final = StillnessLimits(rate=0.05, accel=0.3)
 """A vehicle at rest shows no more than this: there are no means yet to compare with."""

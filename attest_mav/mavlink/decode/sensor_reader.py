@@ -12,14 +12,15 @@ from attest_mav.mavlink.decode.units import (
     MagnitudeCheck,
     UnitRow,
 )
-from attest_mav.types import EXACT, ImuSample, Quantum, Sample, Vec3
+from attest_mav.samples import ImuSample, Sample
+from attest_mav.types import EXACT, Quantum, Vec3
 
 STALE_TURN_RAD: Final = 1.0
 STALE_TIME_S: Final = 0.5
 """A field that stays the same to the last bit through such a turn and for so long is not being measured."""
 
 
-class ImuLane:
+class SensorReader:
     """Readings of one sensor to samples, in SI units.
 
     refusal, field_refusal: why there are no samples, or none with a magnetometer; empty when all is well. refused:
