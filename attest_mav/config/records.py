@@ -22,6 +22,7 @@ SystemId = Annotated[int, Meta(ge=0, le=255)]
 ComponentId = Annotated[int, Meta(ge=1, le=255)]
 RateHz = Annotated[float, Meta(ge=0.01, le=1000.0)]
 Seconds = Annotated[float, Meta(ge=0.1, le=3600.0)]
+BytesPerSecond = Annotated[float, Meta(ge=0.0, le=1e8)]
 Scale = Annotated[float, Meta(ge=0.0, le=1.0)]
 SpeedSource = Literal[
     "auto", "airspeed", "groundspeed", "GPS_RAW_INT", "GLOBAL_POSITION_INT", "LOCAL_POSITION_NED", "none"
@@ -83,8 +84,10 @@ class StreamsConfig(_Record, frozen=True):
     """Set the rates back to the autopilot's defaults at the end."""
     imu_messages: tuple[ImuMessage, ...] = ()
     """Inertial messages in order of preference; empty takes the order that suits the autopilot."""
-    further_imu_messages: tuple[ImuMessage, ...] = ()
-    """Inertial messages of other sensors, each with a filter of its own beside the first: a lane."""
+    further_imu_messages: Literal["auto"] | tuple[ImuMessage, ...] = "auto"
+    """Inertial messages of other sensors, each with a filter of its own beside the first: a lane. "auto" takes all."""
+    imu_bytes_per_s: BytesPerSecond = 0.0
+    """Limit of all inertial messages together; 0 is half of the slowest serial link, and none on networks."""
     imu_hz: RateHz = 50.0
     """Rate of each inertial message, Hz."""
     attitude_hz: RateHz = 10.0

@@ -89,6 +89,10 @@ class Pipeline:
         """Name of the selected lane's stream, "" before one is known."""
         return self.primary if self._witness is None else self._witness.selected
 
+    def fault_of(self, source: str) -> str:
+        """Why the witness has set this lane aside, "" while it has not."""
+        return "" if self._witness is None else self._witness.fault_of(source)
+
     @property
     def primary(self) -> str:
         """Name of the primary lane's stream, "" before one is known."""

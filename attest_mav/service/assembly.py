@@ -5,6 +5,7 @@ the records of the packages that act on them.
 """
 
 from math import nan, radians
+from typing import Final
 
 from attest_mav.config.link_url import Scheme, parse_link
 from attest_mav.config.records import AidingConfig, Config, LinkConfig, RawImuConfig, StreamsConfig, VerdictConfig
@@ -12,12 +13,16 @@ from attest_mav.errors import ConfigError, UsageError
 from attest_mav.estimation.pipeline import PipelineSettings
 from attest_mav.estimation.vehicle import AidSettings
 from attest_mav.estimation.verdict import VerdictSettings
+from attest_mav.filters.base import AttitudeFilter
+from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.mavlink.component.companion import CompanionSettings
 from attest_mav.mavlink.component.ports import PortSettings
 from attest_mav.mavlink.component.vehicle_data import POSITION_MESSAGES, DataSettings
 from attest_mav.mavlink.decode.units import RawScales
 from attest_mav.service.settings import ServiceSettings
-from attest_mav.vehicle_settings import VehicleSettings
+
+SERIAL_BITS: Final = 10
+"""Bits on a serial line for each byte: one to start, eight of data, one to stop."""
 
 
 def service_settings(config: Config) -> ServiceSettings:
@@ -41,7 +46,7 @@ def pipeline_settings(config: Config) -> PipelineSettings:
 def companion_settings(config: Config) -> CompanionSettings:
     """Our ids, the rate of the attitude, and the messages to ask for."""
     output = config.output
-    data = _data_settings(config.streams, config.aiding, config.filter.build().default_settings)
+    data = _data_settings(config)
     return CompanionSettings(config.vehicle.system_id, output.system_id, output.component_id, output.rate_hz, data)
 
 
@@ -92,16 +97,32 @@ def _aid_settings(aiding: AidingConfig) -> AidSettings:
     return AidSettings(aiding.forward_speed, aiding.velocity)
 
 
-def _data_settings(streams: StreamsConfig, aiding: AidingConfig, default_settings: VehicleSettings) -> DataSettings:
+def _data_settings(config: Config) -> DataSettings:
     """The messages to ask for; a position message, which the autopilot's filter makes, only where an aid needs it."""
+    streams, aiding, attitude_filter = config.streams, config.aiding, config.filter.build()
     return DataSettings(
         asks=streams.request,
         restores=streams.request and streams.restore,
         imu_messages=streams.imu_messages,
-        further_imu_messages=streams.further_imu_messages,
+        further_imu_messages=_further_imu(streams, attitude_filter),
+        imu_bytes_per_s=streams.imu_bytes_per_s or _serial_share(config),
         imu_hz=streams.imu_hz,
         attitude_hz=streams.attitude_hz,
         aiding_hz=streams.aiding_hz,
         positions=tuple(name for name in POSITION_MESSAGES if name in (aiding.forward_speed, aiding.velocity)),
-        default_settings=default_settings,
+        default_settings=attitude_filter.default_settings,
     )
+
+
+def _further_imu(streams: StreamsConfig, attitude_filter: AttitudeFilter) -> tuple[str, ...] | None:
+    """The messages of other sensors; none without a filter that compares sensors."""
+    if not isinstance(attitude_filter, VelocityAided):
+        return ()
+    return None if streams.further_imu_messages == "auto" else streams.further_imu_messages
+
+
+def _serial_share(config: Config) -> float:
+    """Half of the bytes that the slowest serial link carries in a second; 0 without one."""
+    urls = [parse_link(link.url) for link in config.link]
+    rates = [url.baud / SERIAL_BITS for url in urls if url.scheme is Scheme.SERIAL]
+    return 0.5 * min(rates, default=0.0)

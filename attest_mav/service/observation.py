@@ -70,6 +70,7 @@ def _lane_snapshot(lane: Lane, pipeline: Pipeline) -> LaneSnapshot:
         source=lane.source,
         is_primary=lane.source == pipeline.primary,
         estimate=estimate if estimate is not None and estimate.lane == lane.source else None,
+        fault=pipeline.fault_of(lane.source),
         rests_on=lane.rests_on,
         samples=lane.samples,
         repeats=lane.repeats,

@@ -149,6 +149,7 @@ class Service:
             links=tuple(link_snapshot(framer, port, counters) for framer, port, counters in parts),
             streams=tuple(stream_snapshot(stream) for stream in companion.data.stream_manager.streams),
             inertial="" if inertial is None else inertial.name,
+            single_imu=companion.data.single_imu,
             not_independent=frozenset(name for name, independent in decoder.independent.items() if not independent),
             refusals=refusals(decoder),
             samples=self._samples,
@@ -165,7 +166,7 @@ class Service:
             if sample.source == self._companion.data.primary_imu:
                 self._samples += 1
                 self._sample_ns = now_ns
-                if self._pipeline is None or not self._pipeline.takes(sample.source):
+                if not self._is_served(sample.source):
                     self._begin_pipeline(sample.source)
         elif isinstance(sample, PositionSample):
             self._vehicle.field = self._field_lookup.at(sample) or self._vehicle.field
@@ -189,11 +190,16 @@ class Service:
         self._verdicts = VerdictHistory()
         self._companion.set_verdict(nan, nan, nan)
 
+    def _is_served(self, source: str) -> bool:
+        """Whether the pipeline has a lane for this message, or an estimate of another sensor."""
+        pipeline = self._pipeline
+        return pipeline is not None and (pipeline.takes(source) or pipeline.estimate is not None)
+
     def _begin_pipeline(self, source: str) -> None:
         """Run the filter on another inertial message; the record of the vehicle goes on."""
         attitude_filter = self._settings.attitude_filter
-        further = [name for name in self._settings.companion.data.further_imu_messages if name != source]
-        self._pipeline = Pipeline(self._settings.pipeline, attitude_filter, [source, *further], self._vehicle)
+        lanes = [source, *self._companion.data.further_imu]
+        self._pipeline = Pipeline(self._settings.pipeline, attitude_filter, lanes, self._vehicle)
         note = self._decoder.notes.get(source, "")
         self._notebook.info(f"using {source} with the filter {attitude_filter.name}{f' ({note})' if note else ''}")
 

@@ -124,6 +124,8 @@ class LaneSnapshot:
     """Whether this lane is the one published and compared."""
     estimate: Estimate | None
     """The newest valid estimate, else None; kept of the primary lane only."""
+    fault: str
+    """Why it is set aside: sensor, axis and size; "" while it is used."""
     rests_on: str
     """The aiding that holds the attitude, "" for a filter that always has the same."""
     samples: int
@@ -182,6 +184,8 @@ class Snapshot:
     """The messages asked for."""
     inertial: str
     """The inertial message in use or being tried, "" before there is a vehicle."""
+    single_imu: str
+    """Why there is one inertial sensor alone, "" where there are more, or while that is not known yet."""
     not_independent: frozenset[str]
     """Inertial messages whose readings come out of the autopilot's own filter."""
     refusals: tuple[Refusal, ...]

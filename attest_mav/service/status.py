@@ -109,4 +109,12 @@ def _filter_texts(now: Snapshot, lane: LaneSnapshot, estimate: Estimate) -> list
         texts.append(f"speed from {now.vehicle.speed_source}")
     if now.verdict is not None:
         texts.append(verdict_text(now.verdict.verdict))
-    return [*texts, *now.frame_notes]
+    return [*texts, *_sensor_texts(now), *now.frame_notes]
+
+
+def _sensor_texts(now: Snapshot) -> list[str]:
+    """The sensors with their faults, or why there is one alone."""
+    if len(now.lanes) > 1:
+        sensors = [f"{one.source} set aside ({one.fault})" if one.fault else one.source for one in now.lanes]
+        return [f"sensors {', '.join(sensors)}"]
+    return [f"one sensor: {now.single_imu}"] if now.single_imu else []

@@ -79,7 +79,7 @@ def test_every_filter_flies(flight, name):
 def test_the_autopilot_decides_what_is_asked_for(flight, personality, message):
     f = flight("", sim(personality=personality))
     f.run_until(5.0)
-    assert [lane.source for lane in f.snapshot().lanes] == [message]
+    assert [lane.source for lane in f.snapshot().lanes] == [message, "SCALED_IMU2"]
     stream = f.snapshot().inertial_stream
     assert (stream.name, stream.answer) == (message, "accepted")
     assert stream.achieved_hz == pytest.approx(50.0, abs=1.0)
@@ -138,7 +138,7 @@ def test_an_attitude_that_is_held_back_is_said(flight):
 def test_a_message_that_is_denied_gives_way_to_one_that_is_not(flight):
     f = flight("[streams]\nimu_messages = ['HIGHRES_IMU', 'RAW_IMU']")
     f.run_until(4.0)
-    assert [lane.source for lane in f.snapshot().lanes] == ["RAW_IMU"]
+    assert [lane.source for lane in f.snapshot().lanes] == ["RAW_IMU", "SCALED_IMU2"]
     assert f.of_type("ATTITUDE_QUATERNION")
 
 
@@ -404,7 +404,7 @@ def test_the_status_line_says_it_all(flight):
     f.status()
     f.run_until(8.0)
     line = f.status()
-    state, imu, attitude, witness, verdict, sent = line.split(" | ")
+    state, imu, attitude, witness, verdict, sensors, sent = line.split(" | ")
     assert state == "active"
     assert imu.startswith("RAW_IMU 50.")
     assert imu.endswith(" of 50 Hz")
@@ -412,4 +412,5 @@ def test_the_status_line_says_it_all(flight):
     assert attitude.endswith("(true)")
     assert re.fullmatch(r"velocity-aided, velocity from GPS_RAW_INT, sigma tilt 0\.\d\d heading \d\.\d\d deg", witness)
     assert verdict.startswith("ATTITUDE agrees tilt 0.")
+    assert sensors == "sensors RAW_IMU, SCALED_IMU2"
     assert sent == "sent 20.0 Hz"

@@ -39,6 +39,8 @@ class LaneWatch(Stepper):
     def __init__(self, name: str) -> None:
         self.name: Final = name
         self.standing = Standing.NEW
+        self.aside_reason = ""
+        """Why it stands aside, or has stood aside last."""
         self.situation = Situation()
         self.moments: Final = Moments()
         self.dead: Final = DeadSensor()
@@ -87,6 +89,13 @@ class LaneWatch(Stepper):
     def adopt(self, state: FilterState) -> None:
         """Go on from another state of the same instant as the newest one."""
         self._adopted = state
+
+    def begin_again(self) -> None:
+        """Forget the attitude that was kept while the sensor stood aside."""
+        newest, configured = self.moments.newest, self.configured
+        if newest is not None and configured is not None:
+            self.adopt(self.rest.begun_again(configured, newest.state))
+        self.standing = Standing.NEW
 
     def step(
         self, one: AttitudeFilter, state: FilterState, dt_s: float, sample: ImuSample, inputs: FilterInputs

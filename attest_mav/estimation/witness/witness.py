@@ -23,6 +23,8 @@ from attest_mav.estimation.witness.situation import Situation, Standing
 STOPPED_S: Final = 0.25
 STOPPED_STEPS: Final = 3.0
 """A lane has stopped when another one is ahead of it by both."""
+ALONE_S: Final = 2.0
+"""A sensor that was set aside is used again when every other one has stopped for longer."""
 JOINING_TILT: Final = radians(2.0)
 """rad: a new lane joins the set when its sigma is below this, or when there is none in it."""
 PUBLISHED_TILT: Final = radians(3.0)
@@ -51,6 +53,11 @@ class Witness:
     def doubts(self) -> bool:
         """True while neither agreement nor disagreement can be said."""
         return self._doubted
+
+    def fault_of(self, name: str) -> str:
+        """Why this lane stands aside, "" while it does not."""
+        lane = self._lanes.get(name)
+        return lane.aside_reason if lane is not None and lane.standing == Standing.ASIDE else ""
 
     def watch(self, name: str) -> LaneWatch:
         """A new lane; the first one is selected until another is better."""
@@ -87,6 +94,9 @@ class Witness:
     def _judge_standing(self, lane: LaneWatch, moment: Moment, events: list[LaneEvent]) -> None:
         """Whether a lane joins the set, has lost its attitude, is dead, or leaves others behind that have stopped."""
         good = self._good()
+        if lane.standing == Standing.ASIDE and not lane.dead.reason and self._is_alone(lane, moment):
+            lane.begin_again()
+            events.append(_event(lane, moment, LaneEventKind.RETURNED, "the only sensor left: its filter begins again"))
         if lane.standing == Standing.NEW and lane.is_navigating:
             if not good or moment.state.tilt_sigma < JOINING_TILT:
                 lane.standing = Standing.GOOD
@@ -106,6 +116,11 @@ class Witness:
     def _another(self, lane: LaneWatch) -> LaneWatch | None:
         """Another lane in good standing that is not dead."""
         return next((one for one in self._good() if one is not lane and not one.dead.reason), None)
+
+    def _is_alone(self, lane: LaneWatch, moment: Moment) -> bool:
+        """Whether every other sensor has stopped."""
+        others = [one.moments.newest for one in self._lanes.values() if one is not lane]
+        return all(newest is None or moment.t_ns - newest.t_ns > ALONE_S * 1e9 for newest in others)
 
     def _compare(self, lane: LaneWatch, moment: Moment, events: list[LaneEvent]) -> None:
         """Compare a lane with every other one."""
@@ -152,6 +167,7 @@ class Witness:
     def _set_aside(self, lane: LaneWatch, moment: Moment, reason: str, events: list[LaneEvent]) -> None:
         """A sensor is at fault: its filter stands still from now on."""
         lane.standing = Standing.ASIDE
+        lane.aside_reason = reason
         before = lane.moments.oldest
         if before is not None:
             lane.gyro_bias, lane.accel_bias = before.state.gyro_bias, accel_bias(before.state)

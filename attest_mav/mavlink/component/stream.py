@@ -32,14 +32,16 @@ class StreamRequest:
 class Stream:
     """One requested message: its request, the autopilot's answer and the measured rate.
 
-    group: the MAV_DATA_STREAM that holds the message, NO_DATA_STREAM for none.
+    group: the MAV_DATA_STREAM that holds the message, NO_DATA_STREAM for none. is_optional: the vehicle may have no
+    sensor for it, so its absence is no fault.
     """
 
-    def __init__(self, message_id: int, name: str, hz: float, group: int) -> None:
+    def __init__(self, message_id: int, name: str, hz: float, group: int, is_optional: bool = False) -> None:
         self.message_id: Final = message_id
         self.name: Final = name
         self.hz: Final = hz
         self.group: Final = group
+        self.is_optional: Final = is_optional
         self.window_ns: Final = max(WINDOW_NS, int(MIN_WINDOW_PERIODS * 1e9 / hz))
         """Length of a measuring window."""
         self.answer = ""
@@ -50,6 +52,8 @@ class Stream:
         """Rate measured in the last window, 0 before one has ended."""
         self.ceiling_hz = 0.0
         """Rate that the autopilot does not exceed, 0 while none is known."""
+        self.absent = False
+        """An optional message that does not come although it was requested."""
         self.count = 0
         """Arrivals in the present window."""
         self.window_began_ns = 0
@@ -78,6 +82,7 @@ class Stream:
         if now_ns - self.window_began_ns < self.window_ns:
             return False
         self.achieved_hz = self.count * 1e9 / (now_ns - self.window_began_ns)
+        self.absent = self.absent and self.count == 0
         self.count = 0
         self.window_began_ns = now_ns
         if self.achieved_hz > (1.0 + SAME_RATE) * self.ceiling_hz:

@@ -167,6 +167,9 @@ class StreamManager:
         """Decide after a window whether to repeat the request."""
         if stream.refused or not self._asks or stream is self._asking or stream in self._queue:
             return
+        if stream.is_optional and stream.achieved_hz == 0.0:
+            self._find_absent(stream)
+            return
         overridden = now_ns - self._overridden_ns < OVERRIDE_MEMORY_NS
         if stream.on_trial and stream.low_windows > 0 and stream.unchanged() and not overridden:
             stream.ceiling_hz = stream.achieved_hz
@@ -175,6 +178,12 @@ class StreamManager:
         stream.on_trial = False
         if stream.low_windows >= LOW_WINDOWS and now_ns >= stream.ask_again_ns:
             self._ask_again(stream, f"; {self._overrider} also asks for streams" if overridden else "", now_ns)
+
+    def _find_absent(self, stream: Stream) -> None:
+        """Notice once that an optional message does not come; it is not requested again."""
+        if stream.low_windows >= LOW_WINDOWS and not stream.absent:
+            stream.absent = True
+            self._notebook.info(f"{stream.name} does not come: the vehicle has no such sensor, or does not send it")
 
     def _ask_again(self, stream: Stream, suspect: str, now_ns: int) -> None:
         self._notebook.warning(

@@ -1,13 +1,14 @@
 """The data requested of the vehicle: inertial messages, the autopilot's attitude, aiding messages, and settings.
 
-One inertial message is primary: the best candidate that gives samples. Further ones may be requested beside it. Every
-other inertial message is dropped before it is decoded.
+One inertial message is primary: the best candidate that gives samples. Those of other sensors are requested beside it.
+Every other inertial message is dropped before it is decoded.
 """
 
 from dataclasses import dataclass, field
 from typing import Final
 
 from attest_mav.mavlink.component.autopilot_settings import AutopilotSettings
+from attest_mav.mavlink.component.further_imu import FurtherImu
 from attest_mav.mavlink.component.imu_choice import ImuChoice, preferred_messages
 from attest_mav.mavlink.component.notes import Notebook
 from attest_mav.mavlink.component.stream import Stream, StreamRequest
@@ -54,8 +55,10 @@ class DataSettings:
     """Whether the rates are set back to the autopilot's defaults at the end."""
     imu_messages: tuple[str, ...] = ()
     """Candidates for the primary inertial message, in order of preference; empty goes by the autopilot."""
-    further_imu_messages: tuple[str, ...] = ()
-    """Inertial messages that are requested and passed on besides the primary one: SCALED_IMU2 for a second sensor."""
+    further_imu_messages: tuple[str, ...] | None = None
+    """Inertial messages of other sensors, requested and passed on besides the primary one; None goes by the primary."""
+    imu_bytes_per_s: float = 0.0
+    """Limit of all inertial messages together, bytes/s; 0 for none."""
     imu_hz: float = 50.0
     """Rate of each inertial message, Hz."""
     attitude_hz: float = 10.0
@@ -78,7 +81,8 @@ class VehicleData:
         self._settings: Final = settings
         self._notebook: Final = notebook
         self._imu_ids: Final = frozenset([dialect.id_of(name) for name in INERTIAL_MESSAGES])
-        self._further_ids: Final = frozenset([dialect.id_of(name) for name in settings.further_imu_messages])
+        self._further: Final = FurtherImu(settings.further_imu_messages, settings.imu_bytes_per_s, settings.imu_hz)
+        self._further_ids: frozenset[int] = frozenset()
         others = [*OTHER_MESSAGES, *settings.positions]
         self.wanted: Final = self._imu_ids | frozenset([dialect.id_of(name) for name in others])
         """Ids of all messages that can be of use."""
@@ -119,12 +123,13 @@ class VehicleData:
             return
         settings = self._settings
         streams = [
-            *self._imu_streams(choice.candidate),
+            self._primary_stream(choice.candidate),
             self._stream("ATTITUDE", settings.attitude_hz, MAV_DATA_STREAM_EXTRA1),
             self._stream("GPS_RAW_INT", settings.aiding_hz, MAV_DATA_STREAM_EXTENDED_STATUS),
             self._stream("VFR_HUD", settings.aiding_hz, MAV_DATA_STREAM_EXTRA2),
         ]
         streams += [self._stream(name, settings.aiding_hz, MAV_DATA_STREAM_POSITION) for name in settings.positions]
+        streams += self._further_streams()
         self.stream_manager.begin(streams, now_ns)
         self.autopilot_settings.begin(self._autopilot, self._is_plane, now_ns)
         self._version_due = settings.asks and self._autopilot == MAV_AUTOPILOT_ARDUPILOTMEGA
@@ -157,7 +162,17 @@ class VehicleData:
         """Take note of a decoded sample from this source (``RAW_IMU``, ``RAW_IMU#1``); True when it is in use."""
         if self._choice is not None and self._choice.take(source, now_ns):
             return True
-        return source.split("#", 1)[0] in self._settings.further_imu_messages
+        return self._further.take(source)
+
+    @property
+    def further_imu(self) -> tuple[str, ...]:
+        """The messages of the other sensors that are used where they come."""
+        return self._further.names
+
+    @property
+    def single_imu(self) -> str:
+        """Why there is one inertial sensor alone, "" where there are more, or while that is not known yet."""
+        return self._further.lack(self.stream_manager.streams)
 
     @property
     def primary_imu(self) -> str:
@@ -188,20 +203,32 @@ class VehicleData:
             self._notebook.warning(f"{used} has stopped; choosing an inertial message again")
         elif choice.candidate != before:
             self._notebook.info(f"{before} does not come; trying {choice.candidate}")
-        if self._candidate_id not in self._further_ids:
-            self.stream_manager.drop(self._candidate_id)
-        self._candidate_id = self._dialect.id_of(choice.candidate)
+        self._request_imu(before, choice.candidate, now_ns)
+
+    def _request_imu(self, before: str, primary: str, now_ns: int) -> None:
+        """Request another primary message, and those of the other sensors that are not requested yet."""
+        streams = [self._primary_stream(primary), *self._further_streams()]
+        if before not in self._further.names:
+            self.stream_manager.drop(self._dialect.id_of(before))
         self.stream_manager.drop(self._candidate_id)
-        self.stream_manager.want(self._imu_stream(choice.candidate), now_ns)
+        known = [stream.message_id for stream in self.stream_manager.streams]
+        for stream in reversed(streams):
+            if stream.message_id not in known:
+                self.stream_manager.want(stream, now_ns)
 
-    def _imu_streams(self, primary: str) -> list[Stream]:
-        """The streams of the primary inertial message and of the further ones."""
+    def _primary_stream(self, primary: str) -> Stream:
+        """The stream of the primary inertial message; the messages of the other sensors are chosen beside it."""
         self._candidate_id = self._dialect.id_of(primary)
-        further = [message for message in self._settings.further_imu_messages if message != primary]
-        return [self._imu_stream(message) for message in (primary, *further)]
+        self._further.begin(primary, {name: self._dialect.layout(name).size for name in INERTIAL_MESSAGES})
+        self._further_ids = frozenset([self._dialect.id_of(name) for name in self._further.names])
+        return self._imu_stream(primary)
 
-    def _imu_stream(self, message: str) -> Stream:
-        return self._stream(message, self._settings.imu_hz, MAV_DATA_STREAM_RAW_SENSORS)
+    def _further_streams(self) -> list[Stream]:
+        return [self._imu_stream(message, is_optional=True) for message in self._further.requested]
+
+    def _imu_stream(self, message: str, *, is_optional: bool = False) -> Stream:
+        hz, group = self._settings.imu_hz, MAV_DATA_STREAM_RAW_SENSORS
+        return Stream(self._dialect.id_of(message), message, hz, group, is_optional)
 
     def _stream(self, message: str, hz: float, group: int) -> Stream:
         return Stream(self._dialect.id_of(message), message, hz, group)

@@ -9,6 +9,7 @@ from attest_mav.mavlink.component.vehicle_data import DataSettings
 
 SECOND = 1_000_000_000
 RAW_IMU, SCALED_IMU, ATTITUDE, GPS_RAW_INT, VFR_HUD = 27, 26, 30, 24, 74
+SCALED_IMU2, SCALED_IMU3 = 116, 129
 
 
 def ack(result, command=511, target=(1, 193)):
@@ -71,7 +72,7 @@ def test_the_system_id_is_the_vehicles_unless_configured(bench, settings, expect
 def test_streams_are_asked_of_the_autopilots_exact_ids(bench):
     b = bench()
     b.vehicle_heartbeat(system=7, component=1)
-    for _ in range(4):
+    for _ in range(6):
         b.run_until(b.now_ns / SECOND + 0.05)
         b.hear(ack(0, target=(7, 193)), system=7, component=1)
     b.run_until(b.now_ns / SECOND + 0.05)
@@ -80,6 +81,8 @@ def test_streams_are_asked_of_the_autopilots_exact_ids(bench):
         (ATTITUDE, 100_000, 0),
         (GPS_RAW_INT, 200_000, 0),
         (VFR_HUD, 200_000, 0),
+        (SCALED_IMU2, 20_000, 0),
+        (SCALED_IMU3, 20_000, 0),
     ]
     assert {(m.target_system, m.target_component) for m in b.of_type("COMMAND_LONG")} == {(7, 1)}
 
@@ -102,7 +105,7 @@ def test_a_denied_inertial_message_gives_way_to_the_next(bench):
     assert "HIGHRES_IMU does not come; trying RAW_IMU" in b.notes
 
 
-def test_only_the_vehicles_own_data_is_taken_and_only_the_inertial_message_in_use(bench):
+def test_only_the_vehicles_own_data_is_taken_and_one_inertial_message_a_sensor(bench):
     b = bench(links=[PortSettings(), PortSettings()])
     assert not b.hear(raw_imu()), "no vehicle yet"
     b.vehicle_heartbeat()
@@ -110,7 +113,8 @@ def test_only_the_vehicles_own_data_is_taken_and_only_the_inertial_message_in_us
     assert not b.hear(raw_imu(), system=2)
     assert not b.hear(raw_imu(), component=191)
     assert not b.hear(raw_imu(), link=1), "one vehicle, one link: nothing is taken twice"
-    assert not b.hear(mavlink.MAVLink_scaled_imu2_message(0, 0, 0, -1000, 0, 0, 0, 0, 0, 0))
+    assert b.hear(mavlink.MAVLink_scaled_imu2_message(0, 0, 0, -1000, 0, 0, 0, 0, 0, 0))
+    assert not b.hear(mavlink.MAVLink_scaled_imu_message(0, 0, 0, -1000, 0, 0, 0, 0, 0, 0))
     assert b.hear(mavlink.MAVLink_attitude_message(0, 0, 0, 0, 0, 0, 0))
 
 
@@ -202,14 +206,14 @@ def test_goodbye_is_a_heartbeat_with_poweroff(bench):
 
 
 def test_goodbye_sets_the_rates_back_where_configured(bench):
-    b = bench(CompanionSettings(data=DataSettings(restores=True)))
+    b = bench(CompanionSettings(data=DataSettings(restores=True, further_imu_messages=("SCALED_IMU2",))))
     b.vehicle_heartbeat()
-    for t_s in (0.1, 0.2, 0.3, 0.4):
+    for t_s in (0.1, 0.2, 0.3, 0.4, 0.5):
         b.run_until(t_s)
         b.hear(ack(0))
     b.stop()
     restored = [message for message, interval_us, _ in b.interval_requests() if interval_us == 0]
-    assert sorted(restored) == sorted([RAW_IMU, ATTITUDE, GPS_RAW_INT, VFR_HUD])
+    assert sorted(restored) == sorted([RAW_IMU, SCALED_IMU2, ATTITUDE, GPS_RAW_INT, VFR_HUD])
 
 
 def test_goodbye_sets_back_all_that_was_ever_asked_for(bench):

@@ -10,7 +10,7 @@ from attest_mav.mavlink.wire.framer import Framer
 from attest_mav.samples import ImuSample
 
 SECOND = 1_000_000_000
-RAW_IMU, SCALED_IMU, SCALED_IMU2, HIGHRES_IMU = 27, 26, 116, 105
+RAW_IMU, SCALED_IMU, SCALED_IMU2, SCALED_IMU3, HIGHRES_IMU = 27, 26, 116, 129, 105
 ACCEPTED, DENIED = 0, 2
 
 
@@ -93,11 +93,40 @@ def test_each_inertial_message_is_requested_at_the_rate_of_inertial_messages(wit
     assert rates[RAW_IMU] == rates[SCALED_IMU2] == 40_000
 
 
-def test_by_default_one_inertial_message_is_requested_and_used(witness):
+def test_by_default_a_message_of_every_other_sensor_is_requested_and_used(witness):
     w = witness()
+    w.fly(3.0, {RAW_IMU: 10, SCALED_IMU2: 20, SCALED_IMU: 30})
+    assert w.readings() == {"RAW_IMU": {10}, "SCALED_IMU2": {20}}
+    assert {SCALED_IMU2, SCALED_IMU3} <= {message for message, _, _ in w.bench.interval_requests()}
+
+
+def test_where_none_is_configured_one_inertial_message_is_requested_and_used(witness):
+    w = witness(further_imu_messages=())
     w.fly(3.0, {RAW_IMU: 10, SCALED_IMU2: 20})
     assert w.readings() == {"RAW_IMU": {10}}
     assert SCALED_IMU2 not in {message for message, _, _ in w.bench.interval_requests()}
+    assert w.bench.companion.data.single_imu == "no further_imu_messages are configured"
+
+
+@pytest.mark.parametrize(
+    ("bytes_per_s", "allowed"), [(3849.0, set()), (3851.0, {SCALED_IMU2}), (5651.0, {SCALED_IMU2, SCALED_IMU3})]
+)
+def test_further_messages_are_requested_within_the_limit(witness, bytes_per_s, allowed):
+    """At 50 Hz RAW_IMU takes 41 bytes a frame, SCALED_IMU2 and SCALED_IMU3 36: with their extensions."""
+    w = witness(imu_bytes_per_s=bytes_per_s)
+    w.fly(3.0, {RAW_IMU: 10})
+    assert {message for message, _, _ in w.bench.interval_requests()} & {SCALED_IMU2, SCALED_IMU3} == allowed
+
+
+def test_a_sensor_that_does_not_exist_is_named_once_and_not_requested_again(witness):
+    w = witness()
+    w.fly(60.0, {RAW_IMU: 10})
+    assert w.bench.companion.data.single_imu == "no SCALED_IMU2 or SCALED_IMU3 comes with readings"
+    requests = [message for message, _, _ in w.bench.interval_requests()]
+    assert (requests.count(SCALED_IMU2), requests.count(SCALED_IMU3)) == (1, 1)
+    told = [note for note in w.bench.notes if "does not come" in note]
+    assert len(told) == 2
+    assert not [note for note in w.bench.notes if "SCALED" in note and "asking again" in note]
 
 
 def test_a_further_message_that_becomes_primary_and_ceases_to_be_is_used_throughout(witness):
