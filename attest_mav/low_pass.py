@@ -48,3 +48,15 @@ def smoothed(before: Smoothed, reading: Vec3, dt_s: float, time_s: float) -> Smo
         ),
         (less * v[0] - twice * d_x, less * v[1] - twice * d_y, less * v[2] - twice * d_z),
     )
+
+
+def aliased_share(cutoff_hz: float, dt_s: float) -> float:
+    """The part of a signal's motion between two samples that the samples may miss, 0 to 1.
+
+    x^2 / (1 + x^2) with x = cutoff_hz dt_s: a low-pass far below the rate of the samples leaves nothing to miss. 1
+    where there is no low-pass (cutoff_hz = 0).
+    """
+    if cutoff_hz <= 0.0:
+        return 1.0
+    square = (cutoff_hz * dt_s) ** 2
+    return square / (1.0 + square)

@@ -39,12 +39,9 @@ def noise_of(pair: LanePair, lane: LaneWatch, one: VelocityAided) -> SensorNoise
     mean = min(mean, LARGEST_MEAN)
     accel = hypot(_density(norm(recent.accel_scatter), newest.dt_s), MEAN_WEIGHT * mean * sqrt(MEAN_S / 6.0))
     gyro = _density(norm(recent.gyro_scatter), newest.dt_s)
-    ratio = parameters.low_pass_hz * newest.dt_s
-    share = ratio * ratio / (1.0 + ratio * ratio) if ratio > 0.0 else 1.0
     return SensorNoise(
         max(parameters.accel_noise, accel, 0.0 if known is None else FALL * known.accel),
         max(parameters.gyro_noise, gyro, 0.0 if known is None else FALL * known.gyro),
-        parameters.gyro_aliasing * share,
     )
 
 

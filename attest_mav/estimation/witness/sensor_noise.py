@@ -10,12 +10,11 @@ SAME: Final = 0.02
 
 
 class SensorNoise:
-    """accel: m/s per root s. gyro: rad per root s. aliasing: share of the gyro's bend that is missed at most."""
+    """accel: m/s per root s. gyro: rad per root s."""
 
-    def __init__(self, accel: float, gyro: float, aliasing: float) -> None:
+    def __init__(self, accel: float, gyro: float) -> None:
         self.accel: Final = accel
         self.gyro: Final = gyro
-        self.aliasing: Final = aliasing
 
     def is_like(self, other: "SensorNoise | None") -> bool:
         """True where the difference does not matter."""
@@ -23,10 +22,9 @@ class SensorNoise:
             other is not None
             and abs(self.accel - other.accel) <= SAME * other.accel
             and abs(self.gyro - other.gyro) <= SAME * other.gyro
-            and abs(self.aliasing - other.aliasing) <= SAME * other.aliasing
         )
 
     def of(self, one: VelocityAided) -> VelocityAided:
         """The filter with this noise."""
-        parameters = replace(one.parameters, accel_noise=self.accel, gyro_noise=self.gyro, gyro_aliasing=self.aliasing)
+        parameters = replace(one.parameters, accel_noise=self.accel, gyro_noise=self.gyro)
         return replace(one, parameters=parameters)

@@ -61,8 +61,9 @@ class FlightParameters:
     accel_bias_walk: float = 1e-4
     """m/s^2 per root s. Drift of the accelerometer's bias."""
     gyro_aliasing: float = 0.22
-    """1. Share of the gyro's second difference that may have been missed between two samples. It keeps sigma true at
-    4 Hz; too small and a fast manoeuvre between samples goes unnoticed."""
+    """1. Share of the gyro's second difference that may have been missed between two samples far apart; the low-pass
+    takes its part from samples that are near (``aliased_share``). It keeps sigma true at 4 Hz; too small and a fast
+    manoeuvre between samples goes unnoticed."""
     accel_aliasing: float = 0.1
     """1. The same for the accelerometer."""
     aliasing_hold_s: float = 2.0

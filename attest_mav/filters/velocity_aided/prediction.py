@@ -23,6 +23,7 @@ from attest_mav.filters.velocity_aided.nav_state import (
 )
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.reading import Reading
+from attest_mav.low_pass import aliased_share
 from attest_mav.matrices import mat_add, mat_scale
 from attest_mav.types import Mat3, Vec3
 
@@ -210,7 +211,7 @@ def _process_noise(
     """The noise of a step at this rate, rad/s."""
     return ProcessNoise(
         (parameters.gyro_noise + parameters.gyro_rate_noise * rate) ** 2 * dt_s
-        + (parameters.gyro_aliasing * memory.gyro_aliasing * dt_s) ** 2,
+        + (parameters.gyro_aliasing * aliased_share(parameters.low_pass_hz, dt_s) * memory.gyro_aliasing * dt_s) ** 2,
         parameters.accel_noise**2 * dt_s
         + (parameters.accel_aliasing * memory.accel_aliasing * dt_s) ** 2
         + heading_noise,

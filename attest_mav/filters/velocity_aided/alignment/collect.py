@@ -19,6 +19,7 @@ from attest_mav.filters.velocity_aided.aids.zero_motion import MAX_SPEED
 from attest_mav.filters.velocity_aided.history import DeltaVelocityHistory, appended, empty_history, look_back
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.reading import Reading, field_of
+from attest_mav.low_pass import aliased_share
 from attest_mav.plausible import is_velocity
 from attest_mav.samples import ImuSample, VelocitySample
 from attest_mav.types import Quat, Vec3
@@ -166,11 +167,12 @@ def _rotated(
     """The rotation after a step at this mean rate, rad/s."""
     gyro_change = sub(reading.gyro, before.gyro)
     second_difference = norm(sub(gyro_change, before.gyro_change))
+    aliasing = parameters.gyro_aliasing * aliased_share(parameters.low_pass_hz, dt_s)
     return RotationSinceStart(
         q_unit(q_mul(before.q_start_body, q_exp(scale(rate, 0.5 * dt_s)))),
         reading.gyro,
         gyro_change,
-        before.unseen_variance + (parameters.gyro_aliasing * second_difference * dt_s) ** 2,
+        before.unseen_variance + (aliasing * second_difference * dt_s) ** 2,
     )
 
 
