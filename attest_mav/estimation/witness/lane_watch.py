@@ -18,12 +18,13 @@ from attest_mav.estimation.witness.flight_state import (
     velocity_of,
 )
 from attest_mav.estimation.witness.moments import Moment, Moments
+from attest_mav.estimation.witness.proving import ProvingFixes
 from attest_mav.estimation.witness.rest_check import RestCheck
 from attest_mav.estimation.witness.sensor_noise import SensorNoise
 from attest_mav.estimation.witness.situation import Situation, Standing
 from attest_mav.filters.base import AttitudeFilter, FilterInputs, FilterState
 from attest_mav.filters.velocity_aided.filter import VelocityAided
-from attest_mav.samples import ImuSample
+from attest_mav.samples import ImuSample, VelocitySample
 from attest_mav.types import Vec3
 
 FIELD_LEAST: Final = 0.02
@@ -47,6 +48,7 @@ class LaneWatch(Stepper):
         self.field: Final = FieldWatch()
         self.fixes: Final = FixStream()
         self.rest: Final = RestCheck()
+        self.proving = ProvingFixes()
         self.fix: FixRecord | None = None
         """The newest fix beside the lane's estimate, used or not."""
         self.fix_seen_ns = -1
@@ -92,6 +94,7 @@ class LaneWatch(Stepper):
 
     def begin_again(self) -> None:
         """Forget the attitude that was kept while the sensor stood aside."""
+        self.proving = ProvingFixes()
         newest, configured = self.moments.newest, self.configured
         if newest is not None and configured is not None:
             self.adopt(self.rest.begun_again(configured, newest.state))
@@ -119,6 +122,7 @@ class LaneWatch(Stepper):
             return one.step(state, dt_s, sample, inputs)
         one = self._tuned(one)
         if navigation_of(state) is None:
+            self.proving = ProvingFixes()
             return one.step(state, dt_s, sample, inputs)
         situation, fix = self.situation, inputs.velocity
         is_new = self.fixes.is_new(fix, one.parameters.fix_spacing_s, velocity_of(state))
@@ -127,15 +131,8 @@ class LaneWatch(Stepper):
         usable = fix is not None and situation.receiver_used and not self.fixes.frozen
         if usable and fix is not None and fix.t_ns != self._refused_ns:
             after = one.step(state, dt_s, sample, inputs.with_velocity(fix))
-            record = used_fix(after)
-            if record is None or (self.fix is not None and record.t_ns == self.fix.t_ns):
+            if not self._refuses(after, fix, sample):
                 return after
-            self._record(record, sample)
-            if record.nis <= self.fixes.gate:
-                if situation.calm:
-                    self.fixes.learn(record.nis, record.innovation)
-                return after
-            self._refused_ns = fix.t_ns
             return one.step(state, dt_s, sample, inputs.with_velocity(None))
         after = one.step(state, dt_s, sample, inputs.with_velocity(None))
         if is_new and fix is not None and not self.fixes.frozen:
@@ -143,6 +140,21 @@ class LaneWatch(Stepper):
             if record is not None:
                 self._record(record, sample)
         return after
+
+    def _refuses(self, after: FilterState, fix: VelocitySample, sample: ImuSample) -> bool:
+        """Take note of a fix that the step used; True when a proven attitude contradicts it."""
+        record = used_fix(after)
+        if record is None or (self.fix is not None and record.t_ns == self.fix.t_ns):
+            return False
+        self._record(record, sample)
+        fits = record.nis <= self.fixes.gate
+        self.proving.take(fits)
+        if fits and self.situation.calm:
+            self.fixes.learn(record.nis, record.innovation)
+        if fits or not self.proving.done:
+            return False
+        self._refused_ns = fix.t_ns
+        return True
 
     def _check_rest(self, one: AttitudeFilter) -> None:
         """Begin again where the vehicle stands in another attitude."""

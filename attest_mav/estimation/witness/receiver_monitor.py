@@ -84,7 +84,7 @@ class ReceiverMonitor:
         self._on_probation(selected)
         if min(shares) > DOUBT_GATES:
             self._doubt.fix_contradicts(moment.t_ns)
-        if max(shares) <= 1.0 or min(shares) <= JOINT_GATES:
+        if max(shares) <= 1.0 or min(shares) <= JOINT_GATES or not selected.proving.done:
             return []
         self.contradiction = Contradiction(selected, one, selected.fix_seen_ns, self.shift_s)
         if not self.contradiction.candidates:

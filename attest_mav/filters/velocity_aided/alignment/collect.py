@@ -34,7 +34,15 @@ MAX_FIXES: Final = 32
 class AlignmentFix:
     """A velocity fix during alignment."""
 
-    def __init__(self, message_ns: int, t_ns: int, delta_velocity: Vec3, v_ned: Vec3, vertical_known: bool) -> None:
+    def __init__(
+        self,
+        message_ns: int,
+        t_ns: int,
+        delta_velocity: Vec3,
+        v_ned: Vec3,
+        vertical_known: bool,
+        unseen_variance: float,
+    ) -> None:
         self.message_ns: Final = message_ns
         """Time that its message names, ns."""
         self.t_ns: Final = t_ns
@@ -45,6 +53,8 @@ class AlignmentFix:
         """m/s."""
         self.vertical_known: Final = vertical_known
         """False where the vertical velocity was not measured."""
+        self.unseen_variance: Final = unseen_variance
+        """Variance of the velocity that hid between samples since the start, (m/s)^2 in each axis."""
 
 
 @mypyc_attr(acyclic=True)
@@ -60,6 +70,22 @@ class RotationSinceStart:
         """That minus the one before, rad/s."""
         self.unseen_variance: Final = unseen_variance
         """Variance of the rotations that hid between samples, rad^2, by the second differences as in ``prediction``."""
+
+
+@mypyc_attr(acyclic=True)
+class ForceSinceStart:
+    """The accelerometer's last reading, and how far its samples can be trusted."""
+
+    def __init__(self, force: Vec3, accel: Vec3, accel_change: Vec3, unseen_variance: float) -> None:
+        self.force: Final = force
+        """The last reading in the start's axes, m/s^2."""
+        self.accel: Final = accel
+        """The same in the body's axes."""
+        self.accel_change: Final = accel_change
+        """That minus the one before, m/s^2."""
+        self.unseen_variance: Final = unseen_variance
+        """Variance of the velocity that hid between samples, (m/s)^2, by the second differences as in ``prediction``:
+        in turbulence and vibration it is most of the error."""
 
 
 @mypyc_attr(acyclic=True)
@@ -93,7 +119,7 @@ class Alignment:
     def __init__(
         self,
         rotation: RotationSinceStart,
-        specific_force: Vec3,
+        force: ForceSinceStart,
         history: DeltaVelocityHistory,
         fixes: tuple[AlignmentFix, ...],
         field: FieldSum,
@@ -103,8 +129,8 @@ class Alignment:
     ) -> None:
         self.rotation: Final = rotation
         """Of the body since the start."""
-        self.specific_force: Final = specific_force
-        """The last one, in the start's axes, m/s^2."""
+        self.force: Final = force
+        """Of the accelerometer since the start."""
         self.history: Final = history
         """Of the integrated specific force, in the start's axes."""
         self.fixes: Final = fixes
@@ -125,7 +151,8 @@ def new_alignment(reading: Reading, t_ns: int) -> Alignment:
     rotation = RotationSinceStart((1.0, 0.0, 0.0, 0.0), reading.gyro, zero, 0.0)
     still = StillPeriod(zero, 0.0)
     history = empty_history(t_ns)
-    return Alignment(rotation, reading.accel, history, (), FieldSum(None, zero, 0), still, 0.0, reading.saturated)
+    force = ForceSinceStart(reading.accel, reading.accel, zero, 0.0)
+    return Alignment(rotation, force, history, (), FieldSum(None, zero, 0), still, 0.0, reading.saturated)
 
 
 def accumulate(
@@ -140,8 +167,8 @@ def accumulate(
     """The alignment after one more sample. bias: of the gyro, as far as it is known, rad/s."""
     rate = sub(scale(add(alignment.rotation.gyro, reading.gyro), 0.5), bias)
     rotation = _rotated(alignment.rotation, reading, rate, dt_s, parameters)
-    specific_force = rotate(rotation.q_start_body, reading.accel)
-    delta_velocity = scale(add(alignment.specific_force, specific_force), 0.5 * dt_s)
+    force = _felt(alignment.force, reading, rotation.q_start_body, dt_s, parameters)
+    delta_velocity = scale(add(alignment.force.force, force.force), 0.5 * dt_s)
     history = appended(alignment.history, sample.t_ns, delta_velocity)
     is_still = not _moves(inputs) and is_unaccelerated(
         sub(reading.gyro, bias), reading.accel, parameters.gravity, LIMITS
@@ -149,9 +176,9 @@ def accumulate(
     still = alignment.still
     return Alignment(
         rotation,
-        specific_force,
+        force,
         history,
-        _with_fix(alignment.fixes, inputs.velocity, history, parameters),
+        _with_fix(alignment, inputs.velocity, history, parameters),
         _with_field(alignment.field, sample, rotation.q_start_body, scale(rate, -0.5 * parameters.mag_delay_s)),
         StillPeriod(add(still.delta_velocity, delta_velocity), still.duration_s + dt_s)
         if is_still
@@ -176,6 +203,20 @@ def _rotated(
     )
 
 
+def _felt(
+    before: ForceSinceStart, reading: Reading, q_start_body: Quat, dt_s: float, parameters: FlightParameters
+) -> ForceSinceStart:
+    """The specific force after a step."""
+    accel_change = sub(reading.accel, before.accel)
+    second_difference = norm(sub(accel_change, before.accel_change))
+    return ForceSinceStart(
+        rotate(q_start_body, reading.accel),
+        reading.accel,
+        accel_change,
+        before.unseen_variance + (parameters.accel_aliasing * second_difference * dt_s) ** 2,
+    )
+
+
 def _moves(inputs: FilterInputs) -> bool:
     """True when the vehicle is known to move: by a fix, or by an airspeed, for a climb is as quiet as standing."""
     fix = inputs.velocity
@@ -196,12 +237,10 @@ def _with_field(before: FieldSum, sample: ImuSample, q_start_body: Quat, back: V
 
 
 def _with_fix(
-    fixes: tuple[AlignmentFix, ...],
-    fix: VelocitySample | None,
-    history: DeltaVelocityHistory,
-    parameters: FlightParameters,
+    before: Alignment, fix: VelocitySample | None, history: DeltaVelocityHistory, parameters: FlightParameters
 ) -> tuple[AlignmentFix, ...]:
     """The fixes with a new one, if it is new and from after the start."""
+    fixes = before.fixes
     if fix is None or not is_velocity(fix.v_ned):
         return fixes
     if fixes and fix.t_ns - fixes[-1].message_ns < int(1e9 * parameters.fix_spacing_s) - 1_000_000:
@@ -211,4 +250,5 @@ def _with_fix(
     if past is None:
         return fixes
     gained = sub(history.newest.delta_velocity, past.delta_velocity)
-    return (*fixes[-MAX_FIXES:], AlignmentFix(fix.t_ns, t_ns, gained, fix.v_ned, fix.vertical_known))
+    unseen = before.force.unseen_variance
+    return (*fixes[-MAX_FIXES:], AlignmentFix(fix.t_ns, t_ns, gained, fix.v_ned, fix.vertical_known, unseen))

@@ -182,4 +182,5 @@ def _delta_velocity_pairs(first: AlignmentFix, last: AlignmentFix, parameters: F
         z = -sqrt(max(0.0, length * length - x * x - y * y))
     if min(length, norm((x, y, z))) < LEAST_FORCE * (last.t_ns - first.t_ns) * 1e-9:
         return []
-    return [VectorPair(unit(u), unit((x, y, z)), 2.0 * (GAIN_SIGMA / length) ** 2)]
+    variance = 2.0 * GAIN_SIGMA**2 + last.unseen_variance - first.unseen_variance
+    return [VectorPair(unit(u), unit((x, y, z)), variance / (length * length))]
