@@ -130,6 +130,18 @@ def add_diagonal(m: Mat3, k: float) -> Mat3:
     return ((a + k, b, c), (d, e + k, f), (g, h, i + k))
 
 
+def rotated_diagonal(m: Mat3, k: Vec3) -> Mat3:
+    """M diag(k) M^T: the covariance of independent axes, turned by M."""
+    a, b, c = m
+    xx = a[0] * a[0] * k[0] + a[1] * a[1] * k[1] + a[2] * a[2] * k[2]
+    xy = a[0] * b[0] * k[0] + a[1] * b[1] * k[1] + a[2] * b[2] * k[2]
+    xz = a[0] * c[0] * k[0] + a[1] * c[1] * k[1] + a[2] * c[2] * k[2]
+    yy = b[0] * b[0] * k[0] + b[1] * b[1] * k[1] + b[2] * b[2] * k[2]
+    yz = b[0] * c[0] * k[0] + b[1] * c[1] * k[1] + b[2] * c[2] * k[2]
+    zz = c[0] * c[0] * k[0] + c[1] * c[1] * k[1] + c[2] * c[2] * k[2]
+    return ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+
+
 def floor_diagonal(m: Mat3, least: float) -> Mat3:
     """m with no element of its diagonal below ``least``."""
     (a, b, c), (d, e, f), (g, h, i) = m

@@ -115,3 +115,8 @@ def test_a_nearly_exact_row_leaves_its_own_variance(seed):
     # The least is about 1e-9, eigvalsh's own rounding as much.
     assert np.linalg.eigvalsh(after).min() > -1e-15 * np.linalg.eigvalsh(after).max()
     assert h @ after @ h == pytest.approx(r, rel=0.2)
+
+
+def test_a_rotated_diagonal(rng):
+    a, k = rng.normal(size=(3, 3)), rng.normal(size=3)
+    near(m.rotated_diagonal(rows(a), vector(k)), a @ np.diag(k) @ a.T)

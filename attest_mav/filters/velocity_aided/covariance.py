@@ -24,6 +24,7 @@ from mypy_extensions import mypyc_attr
 
 from attest_mav.matrices import (
     add_diagonal,
+    mat_add,
     minus_cross,
     minus_mul,
     minus_mul_t,
@@ -137,13 +138,13 @@ class Covariance:
 
 @mypyc_attr(acyclic=True)
 class ProcessNoise:
-    """Variances that one step adds, per axis. Scale error, delays and declination are constant."""
+    """Variances that one step adds, per axis but for the velocity. Scale error, delays and declination are constant."""
 
-    def __init__(self, t: float, v: float, b: float, a: float, m: float) -> None:
+    def __init__(self, t: float, v: Mat3, b: float, a: float, m: float) -> None:
         self.t: Final = t
         """Attitude, rad^2."""
         self.v: Final = v
-        """Velocity, (m/s)^2."""
+        """Velocity, NED, (m/s)^2: vibration has an axis."""
         self.b: Final = b
         """Gyro bias, (rad/s)^2."""
         self.a: Final = a
@@ -179,7 +180,7 @@ def propagated(p: Covariance, rotation_dt: Mat3, delta_velocity: Vec3, rate: Vec
     vv = minus_mul_t(transpose(minus_cross(transpose(v_old_v), delta_velocity, tv)), va, rotation_dt)
     return Covariance(
         add_diagonal(symmetric(tt), noise.t), tv, tb, ts, ta, tm, td,
-        add_diagonal(symmetric(vv), noise.v), vb, vs, va, vm, vd,
+        mat_add(symmetric(vv), noise.v), vb, vs, va, vm, vd,
         add_diagonal(p.bb, noise.b), p.bs, p.ba, p.bm, p.bd,
         p.ss, p.sa, p.sm, p.sd,
         add_diagonal(p.aa, noise.a), p.am, p.ad,

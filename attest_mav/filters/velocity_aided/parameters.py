@@ -65,7 +65,7 @@ class FlightParameters:
     takes its part from samples that are near (``aliased_share``). It keeps sigma true at 4 Hz; too small and a fast
     manoeuvre between samples goes unnoticed."""
     accel_aliasing: float = 0.1
-    """1. The same for the accelerometer."""
+    """1. The same for the accelerometer, axis by axis, whatever the low-pass: vibration has an axis."""
     aliasing_hold_s: float = 2.0
     """s. Time constant with which the largest second difference decays."""
 

@@ -24,9 +24,11 @@ from attest_mav.filters.velocity_aided.nav_state import (
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.reading import Reading
 from attest_mav.low_pass import aliased_share
-from attest_mav.matrices import mat_add, mat_scale
+from attest_mav.matrices import add_diagonal, mat_add, mat_scale, rotated_diagonal
 from attest_mav.types import Mat3, Vec3
 
+OTHER_AXES: Final = 0.6
+"""Share of the accelerometer's whole second difference that each of its axes may have missed at least."""
 SATURATED_RATE: Final = 1.0
 """rad/s: the second difference that a saturated gyro may hide."""
 SATURATED_ACCEL: Final = 20.0
@@ -52,7 +54,7 @@ class ImuMemory:
         dt_s: float,
         specific_force: Vec3,
         gyro_aliasing: float,
-        accel_aliasing: float,
+        accel_aliasing: Vec3,
         history: DeltaVelocityHistory,
     ) -> None:
         self.gyro: Final = gyro
@@ -70,7 +72,7 @@ class ImuMemory:
         self.gyro_aliasing: Final = gyro_aliasing
         """Largest second difference of the gyro of late, rad/s, decaying."""
         self.accel_aliasing: Final = accel_aliasing
-        """Largest second difference of the accelerometer of late, m/s^2, decaying."""
+        """Largest second difference of the accelerometer of late in each axis of the body, m/s^2, decaying."""
         self.history: Final = history
         """Recent gains of velocity."""
 
@@ -93,7 +95,7 @@ def initial_memory(nav: NavigationState, reading: Reading, t_ns: int) -> ImuMemo
     """The memory at the first sample of a navigation."""
     zero: Vec3 = (0.0, 0.0, 0.0)
     force = specific_force_ned(nav, reading.accel)
-    return ImuMemory(reading.gyro, reading.accel, zero, zero, 0.0, force, 0.0, 0.0, empty_history(t_ns))
+    return ImuMemory(reading.gyro, reading.accel, zero, zero, 0.0, force, 0.0, zero, empty_history(t_ns))
 
 
 def specific_force_ned(nav: NavigationState, accel: Vec3) -> Vec3:
@@ -124,7 +126,7 @@ def predict(
     memory_after = _remember(memory, reading, three_point, dt_s, parameters.aliasing_hold_s, specific_force,
                              appended(memory.history, t_ns, delta_velocity))  # fmt: skip
     heading_noise = _nonlinear_heading_noise(delta_velocity, nav.heading_sigma, dt_s) if has_north else 0.0
-    noise = _process_noise(norm(rate), memory_after, heading_noise, dt_s, parameters)
+    noise = _process_noise(norm(rate), memory_after, heading_noise, rotation_dt, dt_s, parameters)
     velocity_change = deadband(sub(velocity, nav.velocity), DEADBAND_ACCEL * dt_s)
     lever = (velocity_change[0], velocity_change[1], velocity_change[2] - gravity_dt)
     covariance = propagated(nav.covariance, rotation_dt, lever, deadband(rate, DEADBAND_RATE), noise)
@@ -143,7 +145,9 @@ def _remember(
     """The memory after a step. hold_s: time constant with which the largest second differences decay."""
     fade = exp(-dt_s / hold_s)
     gyro_now = SATURATED_RATE if reading.saturated else three_point.gyro_second_difference
-    accel_now = SATURATED_ACCEL if reading.saturated else three_point.accel_second_difference
+    unseen = SATURATED_ACCEL if reading.saturated else 0.0
+    x, y, z = three_point.accel_second_difference
+    held_x, held_y, held_z = before.accel_aliasing
     return ImuMemory(
         reading.gyro,
         reading.accel,
@@ -152,7 +156,7 @@ def _remember(
         dt_s,
         specific_force,
         max(gyro_now, fade * before.gyro_aliasing),
-        max(accel_now, fade * before.accel_aliasing),
+        (max(abs(x), unseen, fade * held_x), max(abs(y), unseen, fade * held_y), max(abs(z), unseen, fade * held_z)),
         history,
     )
 
@@ -166,7 +170,7 @@ class ThreePoint:
         gyro_change: Vec3,
         accel_change: Vec3,
         gyro_second_difference: float,
-        accel_second_difference: float,
+        accel_second_difference: Vec3,
         trapezoid_excess: Vec3,
     ) -> None:
         self.gyro_change: Final = gyro_change
@@ -176,7 +180,7 @@ class ThreePoint:
         self.gyro_second_difference: Final = gyro_second_difference
         """Length of the second difference of the gyro, rad/s."""
         self.accel_second_difference: Final = accel_second_difference
-        """Length of the second difference of the accelerometer, m/s^2."""
+        """Second difference of the accelerometer, m/s^2."""
         self.trapezoid_excess: Final = trapezoid_excess
         """Mean rate by the trapezoid minus that by the three-point rule of Adams and Moulton, rad/s: the latter is
         (5 w2 + 8 w1 - w0) / 12, exact for a rate with a constant second derivative."""
@@ -188,7 +192,7 @@ def _three_point(memory: ImuMemory, reading: Reading, dt_s: float) -> ThreePoint
     second_difference = sub(gyro_change, memory.gyro_change)
     even = MAX_STEP_RATIO * dt_s > memory.dt_s > dt_s / MAX_STEP_RATIO
     excess: Vec3 = scale(second_difference, 1.0 / 12.0) if even else (0.0, 0.0, 0.0)
-    accel_second_difference = norm(sub(accel_change, memory.accel_change))
+    accel_second_difference = sub(accel_change, memory.accel_change)
     return ThreePoint(gyro_change, accel_change, norm(second_difference), accel_second_difference, excess)
 
 
@@ -206,15 +210,22 @@ def _nonlinear_heading_noise(delta_velocity: Vec3, heading_sigma: float, dt_s: f
 
 
 def _process_noise(
-    rate: float, memory: ImuMemory, heading_noise: float, dt_s: float, parameters: FlightParameters
+    rate: float,
+    memory: ImuMemory,
+    heading_noise: float,
+    rotation_dt: Mat3,
+    dt_s: float,
+    parameters: FlightParameters,
 ) -> ProcessNoise:
-    """The noise of a step at this rate, rad/s."""
+    """The noise of a step at this rate, rad/s. rotation_dt: body to NED times the step."""
+    x, y, z = memory.accel_aliasing
+    least = OTHER_AXES**2 * (x * x + y * y + z * z)
+    share = parameters.accel_aliasing**2
+    unseen = (share * max(x * x, least), share * max(y * y, least), share * max(z * z, least))
     return ProcessNoise(
         (parameters.gyro_noise + parameters.gyro_rate_noise * rate) ** 2 * dt_s
         + (parameters.gyro_aliasing * aliased_share(parameters.low_pass_hz, dt_s) * memory.gyro_aliasing * dt_s) ** 2,
-        parameters.accel_noise**2 * dt_s
-        + (parameters.accel_aliasing * memory.accel_aliasing * dt_s) ** 2
-        + heading_noise,
+        add_diagonal(rotated_diagonal(rotation_dt, unseen), parameters.accel_noise**2 * dt_s + heading_noise),
         parameters.gyro_bias_walk**2 * dt_s,
         parameters.accel_bias_walk**2 * dt_s if parameters.accel_bias_sigma > 0.0 else 0.0,
         parameters.hard_iron_walk**2 * dt_s if parameters.hard_iron > 0.0 else 0.0,

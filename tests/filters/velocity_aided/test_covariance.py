@@ -78,7 +78,7 @@ def test_blocks_are_taken_and_given_back(dense):
 
 def test_propagation_is_f_p_f_transposed_plus_q(rng, dense):
     rotation_dt, delta_velocity, rate = 0.02 * rng.normal(size=(3, 3)), rng.normal(size=3), rng.normal(size=3)
-    noise = ProcessNoise(1e-3, 2e-3, 3e-3, 4e-3, 5e-3)
+    noise = ProcessNoise(1e-3, diagonal(2e-3), 3e-3, 4e-3, 5e-3)
     result = to_dense(propagated(from_dense(dense), tuples(rotation_dt), floats(delta_velocity), floats(rate), noise))
     f = transition(rotation_dt, delta_velocity, rate)
     q = np.diag(np.repeat([1e-3, 2e-3, 3e-3, 0.0, 4e-3, 5e-3, 0.0], 3))
@@ -154,7 +154,7 @@ def test_a_thousand_steps_and_updates_stay_symmetric_and_positive(rng):
     assert covariance.tt == diagonal(1e-3)
     for k in range(1000):
         rotation_dt, delta_velocity = np.linalg.qr(rng.normal(size=(3, 3)))[0] * 0.02, 0.2 * rng.normal(size=3)
-        noise = ProcessNoise(1e-8, 1e-6, 1e-12, 1e-12, 1e-12)
+        noise = ProcessNoise(1e-8, diagonal(1e-6), 1e-12, 1e-12, 1e-12)
         covariance = propagated(
             covariance, tuples(rotation_dt), floats(delta_velocity), floats(rng.normal(size=3)), noise
         )
