@@ -37,10 +37,12 @@ class PipelineSettings:
     """When to stop, and what to compare.
 
     stale_s: without a sample for this long there is no estimate, and one that comes later than this does not hold.
-    verdict: thresholds of the comparison with the autopilot. aids: what aids the filters.
+    max_sigma: above this tilt sigma an estimate is not published, rad. verdict: thresholds of the comparison with the
+    autopilot. aids: what aids the filters.
     """
 
     stale_s: float = 0.5
+    max_sigma: float = radians(3.0)
     verdict: VerdictSettings = field(default_factory=VerdictSettings)
     aids: AidSettings = field(default_factory=AidSettings)
 
@@ -81,8 +83,14 @@ class Pipeline:
 
     @property
     def publishes(self) -> bool:
-        """Whether ``estimate`` may be published: it is certain enough, and nothing speaks against it."""
-        return self.estimate is not None and (self._witness is None or self._witness.publishes)
+        """Whether ``estimate`` may be published: it is certain enough, and nothing contradicts it."""
+        estimate = self.estimate
+        return estimate is not None and not (self.is_contradicted or estimate.tilt_sigma > self._settings.max_sigma)
+
+    @property
+    def is_contradicted(self) -> bool:
+        """Whether a sensor, the receiver or the magnetic field contradicts ``estimate`` at present."""
+        return self._witness is not None and not self._witness.publishes
 
     @property
     def selected(self) -> str:
@@ -149,7 +157,7 @@ class Pipeline:
             return [*self._check.poll(now_ns)]
         self.estimate = None
         self._check.judge.forget_estimate()
-        text = f"no usable sample for {1e-9 * self._stale_ns():.3g} s: nothing is published"
+        text = f"no usable sample for {1e-9 * self._stale_ns():.3g} s"
         stopped = LaneEvent(estimate.lane, LaneEventKind.STOPPED, estimate.t_ns, now_ns, text)
         return [stopped, self._check.undecided("no-estimate", now_ns)]
 

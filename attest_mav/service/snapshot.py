@@ -196,6 +196,8 @@ class Snapshot:
     """Empty before the first inertial sample."""
     verdict: VerdictStanding | None
     """None before the first verdict."""
+    withheld: str
+    """Why the newest estimate is not sent as ATTITUDE_QUATERNION, "" where it is sent or there is none."""
     frame_notes: tuple[str, ...]
     """The trims that are taken off the autopilot's attitudes, and the messages that cannot be compared."""
     notes: NoteCounts
