@@ -121,6 +121,7 @@ class Pipeline:
         if isinstance(sample, ImuSample):
             return self._handle_imu(sample)
         if isinstance(sample, AttitudeSample):
+            self.vehicle.self_report.take(sample)
             in_imu_frame = self.imu_frame.attitude(sample)
             return [] if in_imu_frame is None else [*self._check.take(in_imu_frame)]
         before = self.vehicle.settings

@@ -18,7 +18,7 @@ from attest_mav.mavlink.component.companion import Companion
 from attest_mav.mavlink.component.notes import Note
 from attest_mav.mavlink.constants import MAV_STATE_ACTIVE, MAV_STATE_BOOT, MAV_STATE_CALIBRATING, MAV_STATE_CRITICAL
 from attest_mav.mavlink.decode.autopilot_parameters import facts_of_firmware
-from attest_mav.mavlink.decode.decoder import Decoder, of_message
+from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.framer import Framer
 from attest_mav.samples import ImuSample, PositionSample, Sample
@@ -34,6 +34,7 @@ from attest_mav.service.observation import (
 from attest_mav.service.publisher import Publisher
 from attest_mav.service.settings import ServiceSettings
 from attest_mav.service.snapshot import NO_TRAFFIC, NoteCounts, Snapshot, Traffic
+from attest_mav.service.source_notes import SourceNotes
 from attest_mav.service.verdict_history import VerdictHistory
 from attest_mav.types import EarthField
 from attest_mav.vehicle_reports import ParameterSample
@@ -72,8 +73,7 @@ class Service:
         self._samples = 0
         self._stale_ns: Final = int(settings.pipeline.stale_s * 1e9)
         self._sample_ns = now_ns - 10 * self._stale_ns
-        self._reported: Final[dict[str, str]] = {}
-        self._reported_frames: list[str] = []
+        self._source_notes: Final = SourceNotes(self._notebook)
         self._next_refusals_ns = now_ns + REFUSALS_NS
 
     @property
@@ -111,8 +111,8 @@ class Service:
             self._act(self._pipeline.poll(now_ns), now_ns)
         if now_ns >= self._next_refusals_ns:
             self._next_refusals_ns = now_ns + REFUSALS_NS
-            self._report_refusals()
-            self._report_frames()
+            self._source_notes.refusals(self._decoder, self._companion.data.imu)
+            self._source_notes.frames(self._frame_notes)
             self._tell_verdict(self._verdicts.settle(now_ns))
         self._companion.state = self._state(now_ns)
         self._companion.poll(now_ns)
@@ -156,6 +156,7 @@ class Service:
             lanes=lane_snapshots(self._pipeline),
             verdict=self._verdicts.standing,
             withheld="" if self.estimate is None else self._publisher.reason,
+            self_report=self._vehicle.self_report.remarks(now_ns),
             frame_notes=tuple(self._frame_notes),
             notes=NoteCounts(self._notebook.warnings, self._notebook.errors, self._notebook.dropped),
         )
@@ -235,7 +236,9 @@ class Service:
 
     def _tell_verdict(self, change: IntervalChange | None) -> None:
         if change is not None:
-            self._announcements.verdict(change, self._vehicle.armed is True, ())
+            self._announcements.verdict(
+                change, self._vehicle.armed is True, self._vehicle.self_report.remarks(change.verdict.rx_ns)
+            )
 
     def _state(self, now_ns: int) -> int:
         """MAV_STATE; while the attitude is withheld the filter is still calibrating."""
@@ -248,21 +251,3 @@ class Service:
     @property
     def _frame_notes(self) -> list[str]:
         return [] if self._pipeline is None else self._pipeline.imu_frame.notes
-
-    def _report_frames(self) -> None:
-        """Note each trim that is newly taken off an attitude, and each message that newly cannot be compared."""
-        notes = self._frame_notes
-        for text in notes:
-            if text not in self._reported_frames:
-                self._notebook.info(text)
-        self._reported_frames = notes
-
-    def _report_refusals(self) -> None:
-        """Note once why the inertial message gives no samples, or none with a magnetometer."""
-        stream = self._companion.data.imu
-        if stream is None:
-            return
-        for source, reason in self._decoder.refusals.items():
-            if source in of_message(stream.name) and self._reported.get(source) != reason:
-                self._reported[source] = reason
-                self._notebook.warning(reason)

@@ -65,6 +65,7 @@ def status_line(now: Snapshot, before: Snapshot) -> str:
         parts.append(attitude_text(lane.estimate))
         parts += _filter_texts(now, lane, lane.estimate)
         parts += [f"attitude withheld: {now.withheld}"] if now.withheld else []
+    parts += [f"the autopilot itself {', '.join(now.self_report)}"] if now.self_report else []
     held = [link.name for link in now.links if link.held_back]
     parts.append(f"sent {rates.published:.1f} Hz" + (f", held back on {', '.join(held)}" if held else ""))
     return " | ".join(parts)

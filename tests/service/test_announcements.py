@@ -51,7 +51,7 @@ def test_every_interval_of_the_verdict_is_logged_with_its_numbers(flight):
     assert [line.split(" ")[0] for line in lines] == ["UNDECIDED", "AGREE", "DISAGREE", "AGREE"]
     assert lines[2].startswith("DISAGREE (tilt) for 9.")
     assert "tilt up to 12.1 heading " in lines[2]
-    assert lines[2].endswith("; RAW_IMU used")
+    assert lines[2].endswith("; RAW_IMU used; SCALED_IMU2 used")
 
 
 def test_a_faulty_sensor_is_announced_with_axis_and_size(flight):
@@ -67,7 +67,7 @@ def test_a_faulty_sensor_is_announced_with_axis_and_size(flight):
 
 
 def test_texts_are_at_least_a_second_apart_and_few(flight):
-    faults = [f"attitude-offset-north=12@{begin}+3" for begin in range(15, 70, 6)]
+    faults = [f"attitude-offset-north={begin // 3}@{begin}+3" for begin in range(15, 70, 6)]
     f = flight("", sim("square", faults))
     f.run_until(75.0)
     texts = announced(f)
@@ -97,3 +97,27 @@ def test_a_link_without_texts_carries_none(flight):
     f.run_until(25.0)
     assert f.of_type("STATUSTEXT") == []
     assert any(text.startswith("verdict: ATTITUDE DISAGREES") for text in f.texts)
+
+
+def test_what_the_autopilot_says_of_itself_stands_beside_the_verdict(flight):
+    f = flight("", sim("square", ["gyro1-bias-x=5@20+8"]))
+    f.run_until(25.0)
+    requested = {one.param1 for one in f.of_type("COMMAND_LONG") if one.command == 511 and one.param2 == 1_000_000}
+    assert requested == {193.0, 1.0, 178.0}, "EKF_STATUS_REPORT, SYS_STATUS and AHRS2, once a second"
+    (line,) = [text for text in f.texts if text.startswith("verdict: ATTITUDE agrees") and "itself" in text]
+    assert '; the autopilot itself said "EKF3 lane switch 1" 0 s ago' in line
+    assert ' | the autopilot itself said "EKF3 lane switch 1" 2 s ago' in f.status()
+
+
+def test_px4_is_asked_for_its_own_report(flight):
+    f = flight("", SimSettings(scenario="hover", personality="px4", faults=parse_faults(["gyro1-stop@8"])))
+    f.run_until(12.0)
+    requested = {one.param1 for one in f.of_type("COMMAND_LONG") if one.command == 511 and one.param2 == 1_000_000}
+    assert requested == {230.0, 1.0}, "ESTIMATOR_STATUS and SYS_STATUS"
+    assert " | the autopilot itself reports unhealthy gyro | " in f.status()
+
+
+def test_without_requests_nothing_is_asked_of_the_autopilot_itself(flight):
+    f = flight("[streams]\nrequest = false\n", sim("hover"))
+    f.run_until(5.0)
+    assert f.of_type("COMMAND_LONG") == []
