@@ -123,7 +123,7 @@ class Pipeline:
         if isinstance(sample, AttitudeSample):
             self.vehicle.self_report.take(sample)
             in_imu_frame = self.imu_frame.attitude(sample)
-            return [] if in_imu_frame is None else [*self._check.take(in_imu_frame)]
+            return [] if in_imu_frame is None else [*self.compare(in_imu_frame)]
         before = self.vehicle.settings
         self.vehicle.take(sample)
         if isinstance(sample, ParameterSample):
@@ -133,6 +133,10 @@ class Pipeline:
             self._trims_in_flight.clear()
             self._check.judge.trim_moved = False
         return []
+
+    def compare(self, sample: AttitudeSample) -> list[Verdict]:
+        """Judge an attitude of the autopilot that stands in the frame of the inertial messages."""
+        return self._check.take(sample)
 
     def _watch_trim(self, sample: ParameterSample, before: VehicleSettings) -> None:
         """Notice a trim that is changed in flight by more than a fine adjustment, and one that is changed back.

@@ -15,7 +15,7 @@ LASTING_NS: Final = 10_000_000_000
 class VerdictInterval:
     """One interval.
 
-    begin: its first verdict. end: the first verdict of the next interval, or the newest one. reason: given with most of
+    begin_ns: its first verdict, host clock. end_ns: the first verdict of the next interval. reason: given with most of
     its verdicts. peak_tilt, peak_heading: the largest differences, rad, NaN where nothing was compared. lanes: the
     states of our lanes at its last verdict.
     """
@@ -24,16 +24,16 @@ class VerdictInterval:
         self,
         agreement: Agreement,
         reason: str,
-        begin: Verdict,
-        end: Verdict,
+        begin_ns: int,
+        end_ns: int,
         peak_tilt: float,
         peak_heading: float,
         lanes: tuple[str, ...],
     ) -> None:
         self.agreement: Final = agreement
         self.reason: Final = reason
-        self.begin: Final = begin
-        self.end: Final = end
+        self.begin_ns: Final = begin_ns
+        self.end_ns: Final = end_ns
         self.peak_tilt: Final = peak_tilt
         self.peak_heading: Final = peak_heading
         self.lanes: Final = lanes
@@ -41,7 +41,7 @@ class VerdictInterval:
     @property
     def duration_s(self) -> float:
         """Length on the host's clock, s."""
-        return (self.end.rx_ns - self.begin.rx_ns) * 1e-9
+        return (self.end_ns - self.begin_ns) * 1e-9
 
 
 class _Stretch:
@@ -64,13 +64,15 @@ class _Stretch:
         if isnan(self._peak_heading) or abs(verdict.heading) > abs(self._peak_heading):
             self._peak_heading = verdict.heading
 
-    def until(self, end: Verdict) -> VerdictInterval:
-        """The interval, with this verdict as its end."""
+    def until(self, end_ns: int) -> VerdictInterval:
+        """The interval with this end, host clock."""
         reasons = self._reasons
         most = max(reasons.values())
         reason = next(one for one, count in reasons.items() if count == most)
         first = self.first
-        return VerdictInterval(first.agreement, reason, first, end, self._peak_tilt, self._peak_heading, self._lanes)
+        return VerdictInterval(
+            first.agreement, reason, first.rx_ns, end_ns, self._peak_tilt, self._peak_heading, self._lanes
+        )
 
 
 class IntervalChange:
@@ -118,11 +120,8 @@ class VerdictIntervals:
 
     def _go_on(self, current: _Stretch, following: _Stretch, verdict: Verdict) -> IntervalChange:
         self._current, self._next = following, None
-        return IntervalChange(current.until(following.first), verdict)
+        return IntervalChange(current.until(following.first.rx_ns), verdict)
 
-    @property
-    def open_interval(self) -> VerdictInterval | None:
-        """The interval that goes on, up to the newest verdict; None before the first verdict."""
-        if self._current is None or self._newest is None:
-            return None
-        return self._current.until(self._newest)
+    def open_interval(self, now_ns: int) -> VerdictInterval | None:
+        """The interval that goes on, with this instant as its end; None before the first verdict."""
+        return None if self._current is None else self._current.until(now_ns)

@@ -23,8 +23,8 @@ class VerdictHistory:
 
     @property
     def open_interval(self) -> VerdictInterval | None:
-        """The interval that goes on, None before the first verdict."""
-        return self._intervals.open_interval
+        """The interval that goes on, up to the newest verdict; None before the first one."""
+        return None if self.standing is None else self._intervals.open_interval(self.standing.verdict.rx_ns)
 
     def lane_event(self, event: LaneEvent) -> None:
         """Take note of what happened to a lane."""

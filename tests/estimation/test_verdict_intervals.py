@@ -18,7 +18,8 @@ def intervals_of(verdicts):
     """The intervals that ended, and the one that goes on."""
     intervals = VerdictIntervals()
     changes = [intervals.take(one) for one in verdicts]
-    return [one.ended for one in changes if one is not None and one.ended is not None], intervals.open_interval
+    ended = [one.ended for one in changes if one is not None and one.ended is not None]
+    return ended, intervals.open_interval(verdicts[-1].rx_ns)
 
 
 def test_an_interval_has_its_ends_its_reason_and_the_largest_differences():
@@ -34,7 +35,7 @@ def test_an_interval_has_its_ends_its_reason_and_the_largest_differences():
         ]
     )
     assert (agreed.agreement, agreed.duration_s, agreed.peak_tilt, agreed.peak_heading) == (A, 2.0, 0.03, -0.02)
-    assert (off.begin.t_ns, off.end.t_ns) == (2 * SECOND, 5 * SECOND)
+    assert (off.begin_ns, off.end_ns) == (2 * SECOND, 5 * SECOND)
     assert (off.agreement, off.reason, off.peak_tilt, off.peak_heading) == (D, "tilt", 0.3, -0.5)
     assert (last.agreement, last.duration_s) == (A, 4.0)
 
@@ -50,7 +51,7 @@ def test_a_short_doubt_leaves_no_trace_in_an_agreement():
 def test_a_doubt_that_lasts_begins_at_its_first_verdict():
     (agreed,), doubt = intervals_of([verdict(A, 0.0), *[verdict(U, t_s, "low-confidence") for t_s in range(1, 13)]])
     assert agreed.duration_s == 1.0
-    assert (doubt.begin.t_ns, doubt.duration_s, doubt.reason) == (SECOND, 11.0, "low-confidence")
+    assert (doubt.begin_ns, doubt.duration_s, doubt.reason) == (SECOND, 11.0, "low-confidence")
 
 
 def test_a_doubt_after_which_nothing_comes_settles_by_itself():
