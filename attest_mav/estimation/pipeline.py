@@ -22,7 +22,7 @@ from attest_mav.estimation.witness.witness import Witness
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.samples import AttitudeSample, ImuSample, Sample
-from attest_mav.types import EarthField
+from attest_mav.types import AttitudeRole, EarthField
 from attest_mav.vehicle_reports import ParameterSample
 from attest_mav.vehicle_settings import Setting, VehicleSettings
 
@@ -122,6 +122,8 @@ class Pipeline:
             return self._handle_imu(sample)
         if isinstance(sample, AttitudeSample):
             self.vehicle.self_report.take(sample)
+            if sample.role != AttitudeRole.AUTOPILOT:
+                return []
             in_imu_frame = self.imu_frame.attitude(sample)
             return [] if in_imu_frame is None else [*self.compare(in_imu_frame)]
         before = self.vehicle.settings

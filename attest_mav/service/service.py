@@ -131,9 +131,7 @@ class Service:
 
     def stop(self) -> None:
         """Leave the last frames to ``take_frames``: rates set back, and a heartbeat that says goodbye."""
-        interval = self._verdicts.open_interval
-        if interval is not None:
-            self._announcements.interval(interval)
+        self._end_interval()
         self._companion.stop()
 
     def snapshot(self, now_ns: int, traffic: Sequence[Traffic] = ()) -> Snapshot:
@@ -190,6 +188,7 @@ class Service:
         self._vehicle.field = before.field  # the place is the same until a position says otherwise
         self._pipeline = None
         self._publisher = self._new_publisher()
+        self._end_interval()
         self._verdicts = VerdictHistory()
         self._companion.set_verdict(nan, nan, nan)
 
@@ -225,6 +224,12 @@ class Service:
         if events and self.estimate is None:
             is_silent = any(isinstance(event, LaneEvent) and event.kind == LaneEventKind.STOPPED for event in events)
             self._publisher.withdraw("samples stopped" if is_silent else "aligning", now_ns)
+
+    def _end_interval(self) -> None:
+        """Write the interval of the verdict that goes on into the log: no more verdicts on this vehicle follow."""
+        interval = self._verdicts.open_interval
+        if interval is not None:
+            self._announcements.interval(interval)
 
     def _new_publisher(self) -> Publisher:
         return Publisher(self._companion, self._announcements, self._settings.pipeline.max_sigma)
