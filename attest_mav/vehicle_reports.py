@@ -1,5 +1,7 @@
-"""The records of the vehicle's own reports: presence, landing, clock, parameters, firmware, estimator."""
+"""The records of the vehicle's own reports: presence, landing, clock, parameters, firmware, estimator, health."""
 
+from enum import IntEnum
+from math import nan
 from typing import Final
 
 from attest_mav.samples import Sample
@@ -91,3 +93,71 @@ class EstimatorSample(Sample):
     def __init__(self, source: str, system: int, component: int, rx_ns: int, estimator: Estimator) -> None:
         super().__init__(source, system, component, NO_TIME, rx_ns)
         self.estimator: Final = estimator
+
+
+class EstimatorStatusSample(Sample):
+    """The autopilot's estimator on itself: EKF_STATUS_REPORT or ESTIMATOR_STATUS.
+
+    attitude_valid: it has an attitude. receiver_glitch, accel_error: it noticed a glitch of the receiver, or bad
+    vertical accelerations. velocity, position, height, compass, airspeed: innovation test ratios, NaN where not told.
+    limit: a ratio above this is bad by the autopilot's own measure.
+    """
+
+    def __init__(
+        self,
+        source: str,
+        system: int,
+        component: int,
+        rx_ns: int,
+        attitude_valid: bool,
+        receiver_glitch: bool,
+        accel_error: bool,
+        velocity: float = nan,
+        position: float = nan,
+        height: float = nan,
+        compass: float = nan,
+        airspeed: float = nan,
+        limit: float = 1.0,
+    ) -> None:
+        super().__init__(source, system, component, NO_TIME, rx_ns)
+        self.attitude_valid: Final = attitude_valid
+        self.receiver_glitch: Final = receiver_glitch
+        self.accel_error: Final = accel_error
+        self.velocity: Final = velocity
+        self.position: Final = position
+        self.height: Final = height
+        self.compass: Final = compass
+        self.airspeed: Final = airspeed
+        self.limit: Final = limit
+
+
+class SensorHealthSample(Sample):
+    """SYS_STATUS: the parts that are present, enabled and not healthy by the autopilot's own word, in its words."""
+
+    def __init__(self, source: str, system: int, component: int, rx_ns: int, unhealthy: tuple[str, ...]) -> None:
+        super().__init__(source, system, component, NO_TIME, rx_ns)
+        self.unhealthy: Final = unhealthy
+
+
+class EstimatorNews(IntEnum):
+    """What an autopilot's text tells of its estimator or its inertial sensors."""
+
+    LANE_SWITCH = 0
+    """Another lane of the estimator, or another estimator, makes the attitude."""
+    VARIANCE = 1
+    """Measurements do not fit."""
+    AIDING_LOST = 2
+    """A lane has no velocity or position any more."""
+    RESET = 3
+    """The heading was set anew."""
+    SENSOR_FAILED = 4
+    """A sensor was given up."""
+
+
+class EstimatorNewsSample(Sample):
+    """A text of the autopilot about its estimator. text: as it was sent."""
+
+    def __init__(self, source: str, system: int, component: int, rx_ns: int, news: EstimatorNews, text: str) -> None:
+        super().__init__(source, system, component, NO_TIME, rx_ns)
+        self.news: Final = news
+        self.text: Final = text

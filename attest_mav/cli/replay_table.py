@@ -10,6 +10,9 @@ from rich.table import Table
 
 PIPE_COLUMNS = 120
 """Width where there is no terminal to ask."""
+FLIGHT_FILTER = "velocity-aided"
+VERDICT_ROWS = 12
+"""Intervals of the verdict that the table shows at most."""
 CONSISTENT = ("63.2  98.2  99.9", "1.00", "68.3  95.4  99.7", "1.00")
 """Shares within 1, 2 and 3 sigma and rms, of tilt and heading (``attest_mav.replay.consistency``)."""
 
@@ -26,6 +29,9 @@ def print_report(report: dict[str, Any]) -> None:
         console.print(_table(report))
         if any(one["consistency"] is not None for one in report["filters"]):
             console.print(_sigma_table(report))
+        judge = _judge(report["filters"])
+        if judge["verdicts"]:
+            console.print(_verdict_table(judge))
     click.echo(capture.get(), nl=False)
 
 
@@ -89,6 +95,41 @@ def _sigma_table(report: dict[str, Any]) -> Table:
             table.add_row(one["name"], *_sigma_figures(one))
     table.add_row("if consistent", *CONSISTENT, style="dim")
     return table
+
+
+def _judge(filters: list[dict[str, Any]]) -> dict[str, Any]:
+    """The filter whose verdict is shown: the flight filter, whose sigma covers its errors, else the first."""
+    return next((one for one in filters if one["name"] == FLIGHT_FILTER), filters[0])
+
+
+def _verdict_table(one: dict[str, Any]) -> Table:
+    """The intervals of the verdict beside one filter; of many, those with DISAGREE and the longest others."""
+    table = Table(box=SIMPLE_HEAD, padding=(0, 1))
+    table.add_column(f"verdict beside\n{one['name']}")
+    for label in ("from\ns", "to\ns", "largest\ntilt", "largest\nheading"):
+        table.add_column(label, justify="right", no_wrap=True)
+    table.add_column("reason")
+    table.add_column("sensors; the autopilot itself", overflow="fold")
+    ranked = sorted(one["verdicts"], key=_importance)[:VERDICT_ROWS]
+    for interval in sorted(ranked, key=_begin):
+        angles = ["-" if interval[key] is None else f"{interval[key]:.1f}" for key in ("tilt_deg", "heading_deg")]
+        times = [f"{interval[key]:.1f}" for key in ("begin_s", "end_s")]
+        word = interval["verdict"].upper() if interval["verdict"] == "disagree" else interval["verdict"]
+        remarks = "; ".join([*interval["sensors"], *interval["autopilot_reports"]])
+        table.add_row(word, *times, *angles, interval["reason"], remarks)
+    if len(one["verdicts"]) > VERDICT_ROWS:
+        table.caption = f"{VERDICT_ROWS} of {len(one['verdicts'])} intervals; --json has all"
+    return table
+
+
+def _importance(interval: dict[str, Any]) -> tuple[bool, float]:
+    """DISAGREE first, then the long ones."""
+    return interval["verdict"] != "disagree", interval["begin_s"] - interval["end_s"]
+
+
+def _begin(interval: dict[str, Any]) -> float:
+    begin_s: float = interval["begin_s"]
+    return begin_s
 
 
 def _sigma_figures(one: dict[str, Any]) -> list[str]:

@@ -15,7 +15,7 @@ from attest_mav.config.filters import FilterConfig
 from attest_mav.config.link_url import parse_link
 from attest_mav.config.text import check_keys, check_no_nan, readable
 from attest_mav.errors import ConfigError, UsageError
-from attest_mav.mavlink.component.outputs import OUTPUTS
+from attest_mav.mavlink.component.outputs import OUTPUT_NAMES
 from attest_mav.mavlink.constants import INERTIAL_MESSAGES, MAV_COMP_ID_AUTOPILOT1, MAV_COMP_ID_MISSIONPLANNER
 
 SystemId = Annotated[int, Meta(ge=0, le=255)]
@@ -33,7 +33,7 @@ if TYPE_CHECKING:  # a type checker knows no choice among names that are listed 
     OutputName = str
 else:
     ImuMessage = Literal[INERTIAL_MESSAGES]
-    OutputName = Literal[tuple(output.name for output in OUTPUTS)]
+    OutputName = Literal[OUTPUT_NAMES]
 
 TAKEN_COMPONENTS = {MAV_COMP_ID_AUTOPILOT1: "the autopilot", MAV_COMP_ID_MISSIONPLANNER: "ground stations"}
 TAKEN_SYSTEMS = {255: "ground stations"}
@@ -60,6 +60,8 @@ class OutputConfig(_Record, frozen=True):
     """Our MAVLink component id."""
     rate_hz: RateHz = 20.0
     """Rate of ATTITUDE_QUATERNION, Hz."""
+    max_sigma_deg: Annotated[float, Meta(gt=0.0, le=180.0)] = 3.0
+    """Tilt sigma of our own above which ATTITUDE_QUATERNION is withheld, degrees."""
 
 
 class LinkConfig(_Record, frozen=True):
@@ -67,7 +69,7 @@ class LinkConfig(_Record, frozen=True):
 
     url: str
     """See ``parse_link``."""
-    publish: tuple[OutputName, ...] = ("attitude_quaternion",)
+    publish: tuple[OutputName, ...] = ("attitude_quaternion", "statustext")
     """The outputs on this link."""
     yield_to_onboard: bool = True
     """Hold ATTITUDE_QUATERNION back while another onboard computer of the vehicle is heard on the link."""

@@ -22,7 +22,7 @@ from attest_mav.estimation.witness.witness import Witness
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.samples import AttitudeSample, ImuSample, Sample
-from attest_mav.types import EarthField
+from attest_mav.types import AttitudeRole, EarthField
 from attest_mav.vehicle_reports import ParameterSample
 from attest_mav.vehicle_settings import Setting, VehicleSettings
 
@@ -37,10 +37,12 @@ class PipelineSettings:
     """When to stop, and what to compare.
 
     stale_s: without a sample for this long there is no estimate, and one that comes later than this does not hold.
-    verdict: thresholds of the comparison with the autopilot. aids: what aids the filters.
+    max_sigma: above this tilt sigma an estimate is not published, rad. verdict: thresholds of the comparison with the
+    autopilot. aids: what aids the filters.
     """
 
     stale_s: float = 0.5
+    max_sigma: float = radians(3.0)
     verdict: VerdictSettings = field(default_factory=VerdictSettings)
     aids: AidSettings = field(default_factory=AidSettings)
 
@@ -81,8 +83,14 @@ class Pipeline:
 
     @property
     def publishes(self) -> bool:
-        """Whether ``estimate`` may be published: it is certain enough, and nothing speaks against it."""
-        return self.estimate is not None and (self._witness is None or self._witness.publishes)
+        """Whether ``estimate`` may be published: it is certain enough, and nothing contradicts it."""
+        estimate = self.estimate
+        return estimate is not None and not (self.is_contradicted or estimate.tilt_sigma > self._settings.max_sigma)
+
+    @property
+    def is_contradicted(self) -> bool:
+        """Whether a sensor, the receiver or the magnetic field contradicts ``estimate`` at present."""
+        return self._witness is not None and not self._witness.publishes
 
     @property
     def selected(self) -> str:
@@ -113,8 +121,11 @@ class Pipeline:
         if isinstance(sample, ImuSample):
             return self._handle_imu(sample)
         if isinstance(sample, AttitudeSample):
+            self.vehicle.self_report.take(sample)
+            if sample.role != AttitudeRole.AUTOPILOT:
+                return []
             in_imu_frame = self.imu_frame.attitude(sample)
-            return [] if in_imu_frame is None else [*self._check.take(in_imu_frame)]
+            return [] if in_imu_frame is None else [*self.compare(in_imu_frame)]
         before = self.vehicle.settings
         self.vehicle.take(sample)
         if isinstance(sample, ParameterSample):
@@ -124,6 +135,10 @@ class Pipeline:
             self._trims_in_flight.clear()
             self._check.judge.trim_moved = False
         return []
+
+    def compare(self, sample: AttitudeSample) -> list[Verdict]:
+        """Judge an attitude of the autopilot that stands in the frame of the inertial messages."""
+        return self._check.take(sample)
 
     def _watch_trim(self, sample: ParameterSample, before: VehicleSettings) -> None:
         """Notice a trim that is changed in flight by more than a fine adjustment, and one that is changed back.
@@ -149,7 +164,7 @@ class Pipeline:
             return [*self._check.poll(now_ns)]
         self.estimate = None
         self._check.judge.forget_estimate()
-        text = f"no usable sample for {1e-9 * self._stale_ns():.3g} s: nothing is published"
+        text = f"no usable sample for {1e-9 * self._stale_ns():.3g} s"
         stopped = LaneEvent(estimate.lane, LaneEventKind.STOPPED, estimate.t_ns, now_ns, text)
         return [stopped, self._check.undecided("no-estimate", now_ns)]
 

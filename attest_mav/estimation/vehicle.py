@@ -11,6 +11,7 @@ from math import isfinite, nan, pi
 from typing import Final
 
 from attest_mav.algebra import norm, rotate_back
+from attest_mav.estimation.self_report import SelfReport
 from attest_mav.filters.base import Airspeed, BodyVelocity
 from attest_mav.samples import AirDataSample, PositionSample, Sample, VelocitySample
 from attest_mav.types import EarthField, North, Quat, VehicleKind, VelocityOrigin, Version
@@ -84,6 +85,8 @@ class Vehicle:
         """None while the vehicle does not say. Armed, it may be under way, whatever else is known."""
         self.landed: bool | None = None
         """The word of the autopilot's landing detector; None while it gives none."""
+        self.self_report = SelfReport()
+        """What the autopilot says of itself."""
         self.latitude = nan
         """rad, NaN while there was no position."""
         self._settings = settings
@@ -114,9 +117,12 @@ class Vehicle:
             self.firmware = sample.version
         elif isinstance(sample, EstimatorSample):
             self.estimator = sample.estimator
+        else:
+            self.self_report.take(sample)
 
     def forget_trims(self) -> None:
-        """The autopilot has booted: its trims may be others, and it began with its usual estimator."""
+        """The autopilot has booted: its trims may be others, and it began with its usual estimator and no reports."""
+        self.self_report = SelfReport()
         for setting in (Setting.TRIM_X, Setting.TRIM_Y, Setting.TRIM_Z, Setting.PITCH_TRIM, Setting.HOVER_PITCH_TRIM):
             self.settings = self.settings.updated(setting, nan)
         self.estimator = None

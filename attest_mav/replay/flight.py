@@ -5,6 +5,7 @@ from math import inf, nan
 from typing import Final
 
 from attest_mav.estimate import Estimate
+from attest_mav.estimation.events import Event, LaneEvent, Verdict
 from attest_mav.estimation.imu_frame import ImuFrame
 from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.estimation.timebase import WRAP_NS
@@ -16,23 +17,31 @@ from attest_mav.replay.log_time import LogTime, Motion, Regularity
 from attest_mav.replay.reference_track import ReferenceTrack
 from attest_mav.replay.request import Window
 from attest_mav.replay.stamping import BurstStamp, Stamped
+from attest_mav.replay.verdict_log import VerdictLog
 from attest_mav.samples import AttitudeSample, ImuSample, Sample
-from attest_mav.types import NO_TIME, EarthField, North
+from attest_mav.types import NO_TIME, AttitudeRole, EarthField, North
 from attest_mav.vehicle_reports import ParameterSample
 
 AUTOPILOT: Final = "autopilot"
 """Name of the autopilot's own attitude among the compared ones."""
+POLL_NS: Final = 200_000_000
+"""Period at which a filter is asked whether samples or attitudes have stopped, ns."""
 
 
 class FilterRun:
     """One filter over the flight."""
 
-    def __init__(self, one: AttitudeFilter, imu: str, field: EarthField, comparison: Comparison) -> None:
+    def __init__(
+        self, one: AttitudeFilter, imu: str, field: EarthField, comparison: Comparison, verdicts: VerdictLog
+    ) -> None:
         self.comparison: Final = comparison
+        self.verdicts: Final = verdicts
         self.pipeline: Final = Pipeline(PipelineSettings(), one, [imu])
         self.pipeline.set_field(field)
         self.aligned_s = inf
         """Log time of the first estimate, s."""
+        self.poll_ns = 0
+        """When the pipeline was last asked whether something has stopped, time of reception."""
 
 
 class Flight:
@@ -49,7 +58,12 @@ class Flight:
         opening: Sequence[Sample] = (),
     ) -> None:
         reference = ReferenceTrack()
-        self.runs: Final = [FilterRun(one, plan.imu, field, Comparison(one.name, reference, sink)) for one in filters]
+        self._vehicle: Final = Vehicle(AidSettings())
+        report = self._vehicle.self_report
+        self.runs: Final = [
+            FilterRun(one, plan.imu, field, Comparison(one.name, reference, sink), VerdictLog(report))
+            for one in filters
+        ]
         self.autopilot: Final = Comparison(AUTOPILOT, reference, sink) if plan.autopilot is not None else None
         """The comparison of the autopilot's own attitude."""
         self._comparisons: Final = [run.comparison for run in self.runs]
@@ -68,7 +82,8 @@ class Flight:
         self._time: Final = LogTime()
         self._stamp: Final = BurstStamp()
         self._reading = window.start_s <= 0.0
-        self._vehicle: Final = Vehicle(AidSettings())
+        self._elapsed_s = 0.0
+        self._rx_ns = 0
         self.imu_frame: Final = ImuFrame(self._vehicle)
         """Turns the autopilot's attitudes into the frame of the inertial messages."""
         for sample in opening:
@@ -91,6 +106,8 @@ class Flight:
         self._take_stamped(self._stamp.finish())
         for comparison in self._comparisons:
             comparison.finish()
+        for run in self.runs:
+            run.verdicts.finish(self._elapsed_s, self._rx_ns)
         if self._writer is not None:
             self._writer.finish()
 
@@ -109,12 +126,28 @@ class Flight:
         self.imu.add(sample.t_ns)
         self.motion.add(sample.t_ns, sample.gyro)
         self._reference.add_rates(sample.t_ns % WRAP_NS, sample.gyro)
+        self._elapsed_s, self._rx_ns = elapsed_s, sample.rx_ns
         for run in self.runs:
+            if abs(run.poll_ns - sample.rx_ns) >= POLL_NS:
+                run.poll_ns = sample.rx_ns
+                self._judge(run, run.pipeline.poll(sample.rx_ns))
+                run.verdicts.settle(elapsed_s, sample.rx_ns)
             for event in run.pipeline.handle(sample):
                 if isinstance(event, Estimate):
                     self._take_estimate(run, event, elapsed_s)
                     if self._writer is not None and run is self.runs[0]:
                         self._writer.insert(event, position)
+                else:
+                    self._judge(run, [event])
+
+    def _judge(self, run: FilterRun, events: Sequence[Event]) -> None:
+        """Keep the verdicts beside a filter, and the events of its lane."""
+        for event in events:
+            if isinstance(event, Verdict):
+                elapsed_s = self._elapsed_s if event.t_ns < 0 else self._time.at(event.t_ns)
+                run.verdicts.take(event, elapsed_s)
+            elif isinstance(event, LaneEvent):
+                run.verdicts.lane_event(event)
 
     def _take_estimate(self, run: FilterRun, estimate: Estimate, elapsed_s: float) -> None:
         run.aligned_s = min(run.aligned_s, elapsed_s)
@@ -133,6 +166,7 @@ class Flight:
 
     def _take_attitude(self, sample: AttitudeSample) -> None:
         """The reference, the autopilot's attitude, the message that times the reference, or two of these."""
+        self._vehicle.self_report.take(sample)
         if sample.source == self._timing_source:
             self._take_stamped(self._stamp.timed(sample.t_ns, sample.rx_ns))
         is_reference = sample.source == self._reference_source
@@ -141,6 +175,9 @@ class Flight:
         in_imu_frame = self.imu_frame.attitude(sample)
         if in_imu_frame is None:
             return
+        if sample.role == AttitudeRole.AUTOPILOT and self.imu.samples:
+            for run in self.runs:
+                self._judge(run, run.pipeline.compare(in_imu_frame))
         if not is_reference:
             self._take_own(in_imu_frame)
             return

@@ -1,6 +1,6 @@
 """The result of a replay as the JSON object of the contract."""
 
-from math import inf
+from math import degrees, inf, isfinite
 from typing import Any, Final
 
 from attest_mav.replay.comparison import Comparison
@@ -8,6 +8,7 @@ from attest_mav.replay.consistency import Consistency, NisMean, SigmaCount
 from attest_mav.replay.engine import Replay
 from attest_mav.replay.metrics import ErrorColumns, Spread
 from attest_mav.replay.plan import replayable
+from attest_mav.replay.verdict_log import VerdictLog
 
 DIGITS: Final = 6
 """Decimals of a degree, a second, a hertz or a share: more than any of them is good for."""
@@ -43,7 +44,7 @@ def as_json(name: str, replay: Replay) -> dict[str, Any]:
         "reference": None
         if plan.reference is None
         else {"message": plan.reference, "samples": flight.reference_samples},
-        "filters": [_filter(run.comparison) for run in flight.runs],
+        "filters": [{**_filter(run.comparison), "verdicts": _verdicts(run.verdicts)} for run in flight.runs],
         "autopilot": None if flight.autopilot is None else {"message": plan.autopilot, **_errors(flight.autopilot)},
         "notes": list(replay.notes),
     }
@@ -71,6 +72,28 @@ def _filter(comparison: Comparison) -> dict[str, Any]:
         "valid": _valid(comparison.errors) if has_sigma and comparison.errors.samples else None,
         "consistency": _consistency(comparison.consistency) if has_sigma else None,
     }
+
+
+def _verdicts(log: VerdictLog) -> list[dict[str, Any]]:
+    """The intervals of the verdict on the autopilot's attitude beside this filter, in log time."""
+    return [
+        {
+            "begin_s": round(one.begin_s, DIGITS),
+            "end_s": round(one.end_s, DIGITS),
+            "verdict": one.interval.agreement.name.lower(),
+            "reason": one.interval.reason,
+            "tilt_deg": _angle(one.interval.peak_tilt),
+            "heading_deg": _angle(one.interval.peak_heading),
+            "sensors": list(one.interval.lanes),
+            "autopilot_reports": list(one.reports),
+        }
+        for one in log.intervals
+    ]
+
+
+def _angle(angle: float) -> float | None:
+    """Degrees; None where nothing was compared."""
+    return round(degrees(angle), DIGITS) if isfinite(angle) else None
 
 
 def _valid(errors: ErrorColumns) -> dict[str, Any]:

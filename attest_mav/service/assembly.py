@@ -40,7 +40,12 @@ def service_settings(config: Config) -> ServiceSettings:
 
 def pipeline_settings(config: Config) -> PipelineSettings:
     """The settings of the pipeline, in radians."""
-    return PipelineSettings(config.estimate.stale_s, _verdict_settings(config.verdict), _aid_settings(config.aiding))
+    return PipelineSettings(
+        config.estimate.stale_s,
+        radians(config.output.max_sigma_deg),
+        _verdict_settings(config.verdict),
+        _aid_settings(config.aiding),
+    )
 
 
 def companion_settings(config: Config) -> CompanionSettings:

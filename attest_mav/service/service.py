@@ -13,14 +13,16 @@ from attest_mav.estimate import Estimate
 from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.pipeline import Pipeline
 from attest_mav.estimation.vehicle import Vehicle
+from attest_mav.estimation.verdict_intervals import IntervalChange
 from attest_mav.mavlink.component.companion import Companion
 from attest_mav.mavlink.component.notes import Note
 from attest_mav.mavlink.constants import MAV_STATE_ACTIVE, MAV_STATE_BOOT, MAV_STATE_CALIBRATING, MAV_STATE_CRITICAL
 from attest_mav.mavlink.decode.autopilot_parameters import facts_of_firmware
-from attest_mav.mavlink.decode.decoder import Decoder, of_message
+from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.framer import Framer
 from attest_mav.samples import ImuSample, PositionSample, Sample
+from attest_mav.service.announcements import Announcements
 from attest_mav.service.field_lookup import FieldFinder, FieldLookup
 from attest_mav.service.observation import (
     lane_snapshots,
@@ -29,9 +31,10 @@ from attest_mav.service.observation import (
     stream_snapshot,
     vehicle_snapshot,
 )
+from attest_mav.service.publisher import Publisher
 from attest_mav.service.settings import ServiceSettings
 from attest_mav.service.snapshot import NO_TRAFFIC, NoteCounts, Snapshot, Traffic
-from attest_mav.service.status import verdict_text
+from attest_mav.service.source_notes import SourceNotes
 from attest_mav.service.verdict_history import VerdictHistory
 from attest_mav.types import EarthField
 from attest_mav.vehicle_reports import ParameterSample
@@ -39,14 +42,6 @@ from attest_mav.vehicle_reports import ParameterSample
 REFUSALS_NS: Final = 1_000_000_000
 """Period at which the decoder's refusals and the frames of attitudes are looked through, ns."""
 
-_WARNINGS: Final = {
-    LaneEventKind.STOPPED,
-    LaneEventKind.FROZEN,
-    LaneEventKind.REBOOTED,
-    LaneEventKind.HEADING_LOST,
-    LaneEventKind.FAULTY,
-    LaneEventKind.EXPLAINED,
-}
 _VERDICT_CODES: Final = {Agreement.AGREE: 1.0, Agreement.DISAGREE: 0.0, Agreement.UNDECIDED: -1.0}
 """The value of ATT_OK for each verdict."""
 
@@ -71,13 +66,14 @@ class Service:
         self._vehicle.field = EarthField(settings.declination)
         self._field_lookup: Final = FieldLookup(find_field, settings.declination, self._notebook)
         self._pipeline: Pipeline | None = None
+        self._announcements: Final = Announcements(self._companion)
+        self._publisher = self._new_publisher()
         self._verdicts = VerdictHistory()
         self._sender = self._companion.sender
         self._samples = 0
         self._stale_ns: Final = int(settings.pipeline.stale_s * 1e9)
         self._sample_ns = now_ns - 10 * self._stale_ns
-        self._reported: Final[dict[str, str]] = {}
-        self._reported_frames: list[str] = []
+        self._source_notes: Final = SourceNotes(self._notebook)
         self._next_refusals_ns = now_ns + REFUSALS_NS
 
     @property
@@ -115,8 +111,9 @@ class Service:
             self._act(self._pipeline.poll(now_ns), now_ns)
         if now_ns >= self._next_refusals_ns:
             self._next_refusals_ns = now_ns + REFUSALS_NS
-            self._report_refusals()
-            self._report_frames()
+            self._source_notes.refusals(self._decoder, self._companion.data.imu)
+            self._source_notes.frames(self._frame_notes)
+            self._tell_verdict(self._verdicts.settle(now_ns))
         self._companion.state = self._state(now_ns)
         self._companion.poll(now_ns)
         self.due_ns = min(self._companion.next_deadline_ns, self._next_refusals_ns)
@@ -134,6 +131,7 @@ class Service:
 
     def stop(self) -> None:
         """Leave the last frames to ``take_frames``: rates set back, and a heartbeat that says goodbye."""
+        self._end_interval()
         self._companion.stop()
 
     def snapshot(self, now_ns: int, traffic: Sequence[Traffic] = ()) -> Snapshot:
@@ -155,6 +153,8 @@ class Service:
             samples=self._samples,
             lanes=lane_snapshots(self._pipeline),
             verdict=self._verdicts.standing,
+            withheld="" if self.estimate is None else self._publisher.reason,
+            self_report=self._vehicle.self_report.remarks(now_ns),
             frame_notes=tuple(self._frame_notes),
             notes=NoteCounts(self._notebook.warnings, self._notebook.errors, self._notebook.dropped),
         )
@@ -187,6 +187,8 @@ class Service:
         self._vehicle.settings = facts_of_firmware(self._sender[2], -1 if heard is None else heard.vehicle_type)
         self._vehicle.field = before.field  # the place is the same until a position says otherwise
         self._pipeline = None
+        self._publisher = self._new_publisher()
+        self._end_interval()
         self._verdicts = VerdictHistory()
         self._companion.set_verdict(nan, nan, nan)
 
@@ -204,63 +206,53 @@ class Service:
         self._notebook.info(f"using {source} with the filter {attitude_filter.name}{f' ({note})' if note else ''}")
 
     def _act(self, events: list[Event], now_ns: int) -> None:
-        """Publish estimates, pass verdicts on, and note the events of the lanes."""
+        """Publish estimates, pass verdicts on, and tell the events of the lanes."""
         for event in events:
             if isinstance(event, Estimate):
-                # One that came too late to hold is not sent, nor one that something speaks against.
-                if event is self.estimate and self._publishes:
-                    self._companion.publish(event, now_ns)
+                if event is self.estimate:  # one that came too late to hold is not sent
+                    contradicted = self._pipeline is not None and self._pipeline.is_contradicted
+                    self._publisher.publish(event, contradicted, now_ns)
             elif isinstance(event, Verdict):
                 self.due_ns = now_ns
                 self._take_verdict(event)
             elif isinstance(event, LaneEvent):
                 self.due_ns = now_ns
-                note = self._notebook.warning if event.kind in _WARNINGS else self._notebook.info
-                note(f"{event.lane}: {event.text}")
+                self._verdicts.lane_event(event)
+                self._announcements.lane_event(event)
                 if event.kind == LaneEventKind.REBOOTED:
                     self._companion.ask_again(now_ns)
-        if events and not self._publishes:
-            self._companion.withdraw()
+        if events and self.estimate is None:
+            is_silent = any(isinstance(event, LaneEvent) and event.kind == LaneEventKind.STOPPED for event in events)
+            self._publisher.withdraw("samples stopped" if is_silent else "aligning", now_ns)
 
-    @property
-    def _publishes(self) -> bool:
-        return self._pipeline is not None and self._pipeline.publishes
+    def _end_interval(self) -> None:
+        """Write the interval of the verdict that goes on into the log: no more verdicts on this vehicle follow."""
+        interval = self._verdicts.open_interval
+        if interval is not None:
+            self._announcements.interval(interval)
+
+    def _new_publisher(self) -> Publisher:
+        return Publisher(self._companion, self._announcements, self._settings.pipeline.max_sigma)
 
     def _take_verdict(self, verdict: Verdict) -> None:
-        """Pass the verdict on; leave a note when it changes."""
+        """Pass the verdict on; tell when it changes."""
         self._companion.set_verdict(_VERDICT_CODES[verdict.agreement], verdict.tilt, verdict.heading)
-        if self._verdicts.take(verdict):
-            note = self._notebook.warning if self._verdicts.disagrees else self._notebook.info
-            note(f"verdict: {verdict_text(verdict)}")
+        self._tell_verdict(self._verdicts.take(verdict))
+
+    def _tell_verdict(self, change: IntervalChange | None) -> None:
+        if change is not None:
+            self._announcements.verdict(
+                change, self._vehicle.armed is True, self._vehicle.self_report.remarks(change.verdict.rx_ns)
+            )
 
     def _state(self, now_ns: int) -> int:
-        """MAV_STATE; a filter too uncertain for a verdict is still calibrating."""
-        estimate = self.estimate
-        if estimate is not None and self.fresh(now_ns):
+        """MAV_STATE; while the attitude is withheld the filter is still calibrating."""
+        if self.fresh(now_ns):
             if self._verdicts.disagrees:
                 return MAV_STATE_CRITICAL
-            unsure = estimate.tilt_sigma > self._settings.pipeline.verdict.max_sigma
-            return MAV_STATE_CALIBRATING if unsure else MAV_STATE_ACTIVE
+            return MAV_STATE_ACTIVE if self._publisher.is_open else MAV_STATE_CALIBRATING
         return MAV_STATE_CALIBRATING if now_ns - self._sample_ns < self._stale_ns else MAV_STATE_BOOT
 
     @property
     def _frame_notes(self) -> list[str]:
         return [] if self._pipeline is None else self._pipeline.imu_frame.notes
-
-    def _report_frames(self) -> None:
-        """Note each trim that is newly taken off an attitude, and each message that newly cannot be compared."""
-        notes = self._frame_notes
-        for text in notes:
-            if text not in self._reported_frames:
-                self._notebook.info(text)
-        self._reported_frames = notes
-
-    def _report_refusals(self) -> None:
-        """Note once why the inertial message gives no samples, or none with a magnetometer."""
-        stream = self._companion.data.imu
-        if stream is None:
-            return
-        for source, reason in self._decoder.refusals.items():
-            if source in of_message(stream.name) and self._reported.get(source) != reason:
-                self._reported[source] = reason
-                self._notebook.warning(reason)

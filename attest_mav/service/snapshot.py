@@ -196,6 +196,10 @@ class Snapshot:
     """Empty before the first inertial sample."""
     verdict: VerdictStanding | None
     """None before the first verdict."""
+    withheld: str
+    """Why the newest estimate is not sent as ATTITUDE_QUATERNION, "" where it is sent or there is none."""
+    self_report: tuple[str, ...]
+    """What is bad by the autopilot's own words, each to be read behind "the autopilot itself"."""
     frame_notes: tuple[str, ...]
     """The trims that are taken off the autopilot's attitudes, and the messages that cannot be compared."""
     notes: NoteCounts

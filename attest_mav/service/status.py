@@ -18,7 +18,7 @@ STATE_NAMES: Final = {
 }
 NORTH_NAMES: Final = {North.RELATIVE: "from the start", North.MAGNETIC: "magnetic", North.TRUE: "true"}
 
-_VERDICTS: Final = {
+VERDICT_WORDS: Final = {
     Agreement.AGREE: "agrees",
     Agreement.DISAGREE: "DISAGREES",
     Agreement.UNDECIDED: "undecided",
@@ -44,7 +44,7 @@ def filter_text(estimate: Estimate, rests_on: str) -> str:
 
 def verdict_text(verdict: Verdict) -> str:
     """Whether the autopilot's attitude agrees, and the differences in degrees."""
-    parts = [f"{verdict.source or 'autopilot'} {_VERDICTS[verdict.agreement]}"]
+    parts = [f"{verdict.source or 'autopilot'} {VERDICT_WORDS[verdict.agreement]}"]
     if verdict.agreement == Agreement.UNDECIDED or verdict.reason != "agrees":
         parts.append(f"({verdict.reason})")
     if isfinite(verdict.tilt):
@@ -64,6 +64,8 @@ def status_line(now: Snapshot, before: Snapshot) -> str:
     else:
         parts.append(attitude_text(lane.estimate))
         parts += _filter_texts(now, lane, lane.estimate)
+        parts += [f"attitude withheld: {now.withheld}"] if now.withheld else []
+    parts += [f"the autopilot itself {', '.join(now.self_report)}"] if now.self_report else []
     held = [link.name for link in now.links if link.held_back]
     parts.append(f"sent {rates.published:.1f} Hz" + (f", held back on {', '.join(held)}" if held else ""))
     return " | ".join(parts)

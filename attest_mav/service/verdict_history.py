@@ -1,12 +1,11 @@
-"""The verdict over time: how long it has stood, and which of its changes are worth a line in the log."""
+"""The verdict over time: the newest one, how long its agreement has stood, and the intervals of equal verdicts."""
 
 from typing import Final
 
-from attest_mav.estimation.events import Agreement, Verdict
+from attest_mav.estimation.events import Agreement, LaneEvent, Verdict
+from attest_mav.estimation.lane_standings import LaneStandings
+from attest_mav.estimation.verdict_intervals import IntervalChange, VerdictInterval, VerdictIntervals
 from attest_mav.service.snapshot import VerdictStanding
-
-LASTING_NS: Final = 10_000_000_000
-"""A change between AGREE and UNDECIDED is told once it has lasted this long: near a limit it comes and goes."""
 
 
 class VerdictHistory:
@@ -14,23 +13,31 @@ class VerdictHistory:
 
     def __init__(self) -> None:
         self.standing: VerdictStanding | None = None
-        self._told: Agreement | None = None
+        self._intervals: Final = VerdictIntervals()
+        self._lanes: Final = LaneStandings()
 
     @property
     def disagrees(self) -> bool:
         """True while the verdict is DISAGREE."""
         return self.standing is not None and self.standing.verdict.agreement == Agreement.DISAGREE
 
-    def take(self, verdict: Verdict) -> bool:
-        """Take the newest verdict; True when it is a change to be told. An accusation and its end are told at once."""
+    @property
+    def open_interval(self) -> VerdictInterval | None:
+        """The interval that goes on, up to the newest verdict; None before the first one."""
+        return None if self.standing is None else self._intervals.open_interval(self.standing.verdict.rx_ns)
+
+    def lane_event(self, event: LaneEvent) -> None:
+        """Take note of what happened to a lane."""
+        self._lanes.take(event)
+
+    def take(self, verdict: Verdict) -> IntervalChange | None:
+        """Take the newest verdict; the change to be told, where it begins a new interval."""
         before = self.standing
         same = before is not None and before.verdict.agreement == verdict.agreement
         since_ns = before.since_ns if before is not None and same else verdict.rx_ns
         self.standing = VerdictStanding(verdict, since_ns)
-        if verdict.agreement == self._told:
-            return False
-        grave = Agreement.DISAGREE in {verdict.agreement, self._told}
-        if not grave and self._told is not None and verdict.rx_ns - since_ns < LASTING_NS:
-            return False
-        self._told = verdict.agreement
-        return True
+        return self._intervals.take(verdict, self._lanes.states)
+
+    def settle(self, now_ns: int) -> IntervalChange | None:
+        """The change to be told because a doubt has lasted, although no verdict comes any more."""
+        return self._intervals.settle(now_ns)

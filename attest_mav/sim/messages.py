@@ -16,6 +16,7 @@ from attest_mav.sim.motion import Motion
 from attest_mav.sim.parameters import ParameterTable
 from attest_mav.sim.personality import Personality
 from attest_mav.sim.report import AttitudeReport
+from attest_mav.sim.self_report import ekf_status_report, estimator_status, sys_status
 from attest_mav.sim.sensors import SensorSuite
 from attest_mav.sim.settings import SimSettings
 from attest_mav.sim.trajectory import STILL_S, Trajectory
@@ -49,6 +50,16 @@ FIELDS: Final = {
     "GLOBAL_POSITION_INT": ("time_boot_ms", "lat", "lon", "alt", "relative_alt", "vx", "vy", "vz", "hdg"),
     "VFR_HUD": ("airspeed", "groundspeed", "alt", "climb", "heading", "throttle"),
     "SYSTEM_TIME": ("time_unix_usec", "time_boot_ms"),
+    "EKF_STATUS_REPORT": (
+        *("velocity_variance", "pos_horiz_variance", "pos_vert_variance", "compass_variance"),
+        "flags",
+    ),
+    "ESTIMATOR_STATUS": ("vel_ratio", "pos_horiz_ratio", "pos_vert_ratio", "mag_ratio", "flags"),
+    "SYS_STATUS": (
+        "onboard_control_sensors_present",
+        "onboard_control_sensors_enabled",
+        "onboard_control_sensors_health",
+    ),
     "AHRS2": ("roll", "pitch", "yaw"),
     "AUTOPILOT_VERSION": ("flight_sw_version",),
 }
@@ -104,6 +115,9 @@ class Messages:
             "SYSTEM_TIME": self.system_time,
             "AHRS2": self.ahrs2,
             "AUTOPILOT_VERSION": self.autopilot_version,
+            "EKF_STATUS_REPORT": partial(ekf_status_report, report.lanes),
+            "ESTIMATOR_STATUS": partial(estimator_status, report.lanes),
+            "SYS_STATUS": partial(sys_status, report.lanes),
         }
 
     def begin(self, t_ns: int, boot_ns: int, motion: Motion) -> None:

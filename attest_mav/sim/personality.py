@@ -111,6 +111,8 @@ ARDUPILOT: Final = Personality(
         Stream("SIM_STATE", 4.0, MAV_DATA_STREAM_EXTRA1, fast=True),
         Stream("SYSTEM_TIME", 4.0, MAV_DATA_STREAM_EXTRA3),
         Stream("AHRS2", 0.0),
+        Stream("SYS_STATUS", 0.0),
+        Stream("EKF_STATUS_REPORT", 0.0),
         Stream("AUTOPILOT_VERSION", 0.0),
     ),
     parameters=(
@@ -147,6 +149,8 @@ PX4: Final = Personality(
         Stream("GPS_RAW_INT", 5.0),
         Stream("SIM_STATE", 50.0, fast=True),
         Stream("SYSTEM_TIME", 1.0),
+        Stream("SYS_STATUS", 0.0),
+        Stream("ESTIMATOR_STATUS", 0.0),
         Stream("AUTOPILOT_VERSION", 0.0),
     ),
     parameters=(Parameter("EKF2_GPS_DELAY", 1e3 * GPS_DELAY_S, MAV_PARAM_TYPE_REAL32),),

@@ -41,7 +41,7 @@ def test_each_link_has_its_own_outputs():
     plain = "[[link]]\nurl = 'sim:'\n"
     quiet = f"{plain}publish = ['named_values', 'attitude_quaternion_cov']\nyield_to_onboard = false"
     first, second = settings_of(plain + quiet).ports
-    assert (first.publish, first.yields) == (("attitude_quaternion",), True)
+    assert (first.publish, first.yields) == (("attitude_quaternion", "statustext"), True)
     assert (set(second.publish), second.yields) == ({"named_values", "attitude_quaternion_cov"}, False)
 
 

@@ -119,6 +119,7 @@ def test_requests_and_refusals_are_seen(flight):
     f.run_until(6.0)
     snapshot = f.snapshot()
     asked = {"RAW_IMU", "SCALED_IMU2", "SCALED_IMU3", "ATTITUDE", "GPS_RAW_INT", "VFR_HUD"}
+    asked |= {"EKF_STATUS_REPORT", "SYS_STATUS", "AHRS2"}
     assert {stream.name for stream in snapshot.streams} == asked
     assert (snapshot.inertial, snapshot.inertial_stream.answer) == ("RAW_IMU", "accepted")
     (after,) = (one for one in snapshot.refusals if one.source == "GPS_RAW_INT")

@@ -16,7 +16,7 @@ def told(agreements, interval_s):
     lines = []
     for k, agreement in enumerate(agreements):
         rx_ns = round(k * interval_s * 1e9)
-        if history.take(Verdict(agreement, "", nan, nan, "ATTITUDE", rx_ns, rx_ns)):
+        if history.take(Verdict(agreement, "", nan, nan, "ATTITUDE", rx_ns, rx_ns)) is not None:
             lines.append((k * interval_s, agreement))
     return lines
 

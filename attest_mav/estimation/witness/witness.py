@@ -27,8 +27,6 @@ ALONE_S: Final = 2.0
 """A sensor that was set aside is used again when every other one has stopped for longer."""
 JOINING_TILT: Final = radians(2.0)
 """rad: a new lane joins the set when its sigma is below this, or when there is none in it."""
-PUBLISHED_TILT: Final = radians(3.0)
-"""rad: a less certain attitude is not published."""
 RETURN_BIAS: Final = radians(0.05)
 """rad/s: of the gyro's bias of a sensor that returns."""
 
@@ -42,7 +40,7 @@ class Witness:
         self.members: tuple[Member, ...] = ()
         """The other attitudes of the set, beside the selected lane's newest one."""
         self.publishes = False
-        """Whether the selected attitude may be published."""
+        """Whether nothing contradicts the selected attitude, so that it may be published."""
         self._lanes: Final[dict[str, LaneWatch]] = {}
         self._pairs: Final[list[LanePair]] = []
         self._doubt: Final = Doubt()
@@ -221,7 +219,7 @@ class Witness:
         self._doubted = self._doubt.active(moment.t_ns) or bool(selected.dead.reason)
         state = moment.state
         together = not (disputed or candidates) or all(is_near(state, member) for member in members)
-        self.publishes = state.tilt_sigma < PUBLISHED_TILT and not self._doubted and together
+        self.publishes = not self._doubted and together
 
     def _set_situation(self) -> None:
         """Tell every lane what to do with fixes, where that has changed."""

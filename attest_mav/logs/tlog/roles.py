@@ -23,6 +23,9 @@ AIDING: Final = ("HEARTBEAT", "VFR_HUD", "GPS_RAW_INT", "SYSTEM_TIME")
 FRAME: Final = ("PARAM_VALUE", "STATUSTEXT")
 """Messages that tell a change of the rotation between the autopilot's attitude and the inertial messages."""
 
+SELF_REPORTS: Final = ("EKF_STATUS_REPORT", "ESTIMATOR_STATUS", "SYS_STATUS", "AHRS2", "AHRS3")
+"""Messages in which the autopilot tells of itself; STATUSTEXT is one too."""
+
 GROUND_SYSTEM: Final = 255
 """System id of ground stations."""
 

@@ -9,7 +9,7 @@ from attest_mav.logs.source import EXPECTED, ByteSink, LogSummary, Plan, Progres
 from attest_mav.logs.tlog.annotate import OUR_COMPONENT, AnnotatedLogWriter
 from attest_mav.logs.tlog.clocks import LogClocks
 from attest_mav.logs.tlog.reader import TlogReader, read_windows
-from attest_mav.logs.tlog.roles import AIDING, FRAME
+from attest_mav.logs.tlog.roles import AIDING, FRAME, SELF_REPORTS
 from attest_mav.logs.tlog.stamp_repair import FixRepair, StampRepair
 from attest_mav.logs.tlog.stamps import time_field
 from attest_mav.logs.tlog.summary import summarize
@@ -68,7 +68,7 @@ class MavlinkSource:
     def samples(self, plan: Plan) -> Iterator[SampleBatch]:
         """Second pass, a few frames of the log at a time."""
         self._decoder = self._decoder_for(plan)
-        wanted = frozenset(self._dialect.id_of(name) for name in plan.messages.union(AIDING, FRAME))
+        wanted = frozenset(self._dialect.id_of(name) for name in plan.messages.union(AIDING, FRAME, SELF_REPORTS))
         self._repairs = self._repairs_for(plan)
         reader = TlogReader(self._data, self._dialect, wanted, self._bare)
         for frames in reader.batches():

@@ -76,9 +76,8 @@ def _request_message(message: float, port: Port, publication: Publication | None
         return MAV_RESULT_ACCEPTED
     if port.schedule_of(message_id) is None:
         return MAV_RESULT_UNSUPPORTED
-    if publication is None:
+    if publication is None or not port.put_output(message_id, publication):
         return MAV_RESULT_TEMPORARILY_REJECTED
-    port.put_output(message_id, publication)
     return MAV_RESULT_ACCEPTED
 
 

@@ -11,10 +11,11 @@ from math import degrees
 from typing import Final
 
 from attest_mav.estimate import Estimate
+from attest_mav.mavlink.component.announcer import Announcer
 from attest_mav.mavlink.component.commands import CommandReader, answer
 from attest_mav.mavlink.component.discovery import Vehicle, VehicleDiscovery
 from attest_mav.mavlink.component.notes import Notebook
-from attest_mav.mavlink.component.outputs import NO_VERDICT, Publication, PublishedVerdict
+from attest_mav.mavlink.component.outputs import NO_VERDICT, Confidence, Publication, PublishedVerdict
 from attest_mav.mavlink.component.own_ids import OwnIds
 from attest_mav.mavlink.component.ports import Port, PortSettings
 from attest_mav.mavlink.component.vehicle_data import DataSettings, VehicleData
@@ -84,12 +85,15 @@ class Companion:
             dialect.id_of("REQUEST_DATA_STREAM"): self._hear_stream_request,
         }
         """By message id. Frames with another id are data if they come from the vehicle, and are dropped otherwise."""
+        self.announcer: Final = Announcer()
+        """Texts for people, which go out on every link that carries texts."""
         self.own_ids: Final = OwnIds(self.ports, self.notebook, now_ns)
         self._heartbeat: Final = dialect.layout("HEARTBEAT").pick("type", "autopilot")
         self._ack: Final = dialect.layout("COMMAND_ACK").pick("command", "result", "target_system", "target_component")
         self._commands: Final = CommandReader(dialect)
         self._version_id: Final = dialect.id_of("AUTOPILOT_VERSION")
         self._estimate: Estimate | None = None
+        self._confidence = Confidence.BELIEVED
         self._verdict = NO_VERDICT
         self._next_heartbeat_ns = now_ns
 
@@ -116,10 +120,13 @@ class Companion:
         """Take note of a decoded parameter of the vehicle."""
         self.data.parameter_taken(sample)
 
-    def publish(self, estimate: Estimate, now_ns: int) -> None:
-        """Send the newest estimate on every link where it is due, and keep it for requests."""
-        self._estimate = estimate
-        publication = Publication(estimate, self._verdict)
+    def publish(self, estimate: Estimate, now_ns: int, confidence: Confidence = Confidence.BELIEVED) -> None:
+        """Send the newest estimate on every link where it is due, and keep it for requests.
+
+        confidence: outputs that need a higher one are not sent.
+        """
+        self._estimate, self._confidence = estimate, confidence
+        publication = Publication(estimate, self._verdict, confidence)
         for port in self.ports:
             port.publish(publication, now_ns)
 
@@ -151,6 +158,10 @@ class Companion:
                 port.put(port.encoder.param_request_read(vehicle.system, vehicle.component, name))
             if self.data.take_version_request():
                 port.put(port.encoder.request_message(vehicle.system, vehicle.component, self._version_id))
+        announcement = self.announcer.take(now_ns)
+        if announcement is not None:
+            for port in self.ports:
+                port.say(announcement.severity, announcement.text)
         if now_ns >= self._next_heartbeat_ns:
             self._next_heartbeat_ns = max(self._next_heartbeat_ns + HEARTBEAT_NS, now_ns + HEARTBEAT_NS // 2)
             self._send_heartbeats()
@@ -158,7 +169,8 @@ class Companion:
     @property
     def next_deadline_ns(self) -> int:
         """When ``poll`` is due at the latest; a time in the past is at once."""
-        due_ns = self._next_heartbeat_ns
+        text_ns = self.announcer.next_deadline_ns
+        due_ns = self._next_heartbeat_ns if text_ns is None else min(text_ns, self._next_heartbeat_ns)
         silence_ns = self.discovery.next_deadline_ns
         if silence_ns is None:
             return due_ns
@@ -178,7 +190,7 @@ class Companion:
     @property
     def _publication(self) -> Publication | None:
         """The estimate and verdict to be sent now; None while there is no valid estimate."""
-        return None if self._estimate is None else Publication(self._estimate, self._verdict)
+        return None if self._estimate is None else Publication(self._estimate, self._verdict, self._confidence)
 
     def _hear_heartbeat(self, link: int, frame: Frame, now_ns: int) -> bool:
         vehicle_type, autopilot = self._heartbeat.unpack(frame.payload)

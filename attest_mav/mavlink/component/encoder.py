@@ -57,7 +57,7 @@ class Encoder:
         )
         self._ack: Final = dialect.layout("COMMAND_ACK").pick("command", "result", "target_system", "target_component")
         self._named: Final = dialect.layout("NAMED_VALUE_FLOAT").pick("time_boot_ms", "value", "name")
-        self._text: Final = dialect.layout("STATUSTEXT").pick("severity", "text")
+        self._text: Final = dialect.layout("STATUSTEXT").pick("severity", "text", "id", "chunk_seq")
         self._timesync: Final = dialect.layout("TIMESYNC").pick("tc1", "ts1")
 
     def heartbeat(
@@ -123,8 +123,21 @@ class Encoder:
 
     def statustext(self, severity: int, text: str) -> bytes:
         """STATUSTEXT in one chunk: MAV_SEVERITY, and text that is cut at fifty bytes."""
-        payload = self._text.pack(severity, text.encode("ascii", "replace")[:STATUSTEXT_BYTES])
+        payload = self._text.pack(severity, text.encode("ascii", "replace")[:STATUSTEXT_BYTES], 0, 0)
         return self.frame(self._text.layout, payload)
+
+    def statustexts(self, severity: int, text: str, text_id: int) -> list[bytes]:
+        """STATUSTEXT in as many chunks as the text needs. text_id: joins the chunks of one text, not 0."""
+        raw = text.encode("ascii", "replace")
+        if len(raw) <= STATUSTEXT_BYTES:
+            return [self.statustext(severity, text)]
+        # A chunk with a zero byte is the last one: a text of whole chunks is followed by an empty one.
+        count = len(raw) // STATUSTEXT_BYTES + 1
+        chunks = [raw[STATUSTEXT_BYTES * part : STATUSTEXT_BYTES * (part + 1)] for part in range(count)]
+        return [
+            self.frame(self._text.layout, self._text.pack(severity, chunk, text_id, part))
+            for part, chunk in enumerate(chunks)
+        ]
 
     def timesync(self, tc1_ns: int, ts1_ns: int) -> bytes:
         """TIMESYNC: tc1 zero asks, anything else answers."""

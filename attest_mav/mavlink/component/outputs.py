@@ -6,6 +6,7 @@ each link, and the answers to MAV_CMD_REQUEST_MESSAGE and MAV_CMD_SET_MESSAGE_IN
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from enum import IntEnum
 from math import isfinite, isnan, nan
 from typing import Final
 
@@ -15,6 +16,21 @@ from attest_mav.mavlink.component.encoder import COVARIANCE_UNKNOWN, Encoder
 
 MAX_RATE: Final = 1e4
 """rad/s: a rate beyond this is no rate, and a float of 32 bits could not hold any double."""
+
+
+TEXTS: Final = "statustext"
+"""The name under ``publish`` of the texts for people (``announcer``), which no estimate makes."""
+
+
+class Confidence(IntEnum):
+    """How far our own estimate can be believed at present."""
+
+    DOUBTED = 0
+    """A sensor, the receiver or the magnetic field contradicts it."""
+    UNCERTAIN = 1
+    """Nothing contradicts it; its tilt sigma is above the limit."""
+    BELIEVED = 2
+    """Nothing contradicts it, and its tilt sigma is below the limit, or the filter has none."""
 
 
 class PublishedVerdict:
@@ -35,11 +51,13 @@ NO_VERDICT: Final = PublishedVerdict(nan, nan, nan)
 class Publication:
     """Everything that an output can tell."""
 
-    def __init__(self, estimate: Estimate, verdict: PublishedVerdict) -> None:
+    def __init__(self, estimate: Estimate, verdict: PublishedVerdict, confidence: Confidence) -> None:
         self.estimate: Final = estimate
         """The newest estimate."""
         self.verdict: Final = verdict
         """The newest verdict, or NO_VERDICT."""
+        self.confidence: Final = confidence
+        """How far the estimate can be believed."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +74,8 @@ class Output:
     """Rate in the clock of the estimates until a peer sets another, Hz; 0 is the configured rate of the attitude."""
     with_heartbeat: bool = False
     """The frames go out beside each heartbeat instead, and can be neither requested nor retimed."""
+    least: Confidence = Confidence.BELIEVED
+    """The output is sent at this confidence or a higher one."""
     misleads: str = ""
     """Programs that take the message for the autopilot's own, "" for none: such an output can be held back."""
 
@@ -92,10 +112,14 @@ def named_values(encoder: Encoder, publication: Publication) -> list[bytes]:
 
 OUTPUTS: Final = (
     Output("attitude_quaternion", "ATTITUDE_QUATERNION", attitude_quaternion, misleads="MAVROS and MAVSDK"),
-    Output("attitude_quaternion_cov", "ATTITUDE_QUATERNION_COV", attitude_quaternion_cov),
-    Output("named_values", "NAMED_VALUE_FLOAT", named_values, with_heartbeat=True),
+    Output("attitude_quaternion_cov", "ATTITUDE_QUATERNION_COV", attitude_quaternion_cov, least=Confidence.UNCERTAIN),
+    Output("named_values", "NAMED_VALUE_FLOAT", named_values, with_heartbeat=True, least=Confidence.DOUBTED),
 )
 """ArduPilot writes the named values into its own log; nobody uses ATTITUDE_QUATERNION_COV unasked."""
+
+
+OUTPUT_NAMES: Final = (*[output.name for output in OUTPUTS], TEXTS)
+"""All names that ``publish`` can list."""
 
 
 def boot_ms(t_ns: int) -> int:

@@ -5,13 +5,15 @@ from typing import Final
 
 from attest_mav.mavlink.component.encoder import Encoder
 from attest_mav.mavlink.component.notes import Notebook
-from attest_mav.mavlink.component.outputs import OUTPUTS, Output, Publication, is_sound
+from attest_mav.mavlink.component.outputs import OUTPUTS, TEXTS, Output, Publication, is_sound
 from attest_mav.mavlink.component.stream import StreamRequest
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_INVALID, MAV_TYPE_ONBOARD_CONTROLLER
 from attest_mav.mavlink.dialect import Dialect
 
 ONBOARD_SILENCE_NS: Final = 5_000_000_000
 """An onboard computer that has not been heard for this long is gone."""
+LAST_TEXT_ID: Final = 0xFFFF
+"""The largest STATUSTEXT.id."""
 REMEMBERED_HEARTBEATS: Final = 16
 """An echo of a heartbeat comes back before this many more are sent, or it is no echo."""
 
@@ -20,7 +22,7 @@ REMEMBERED_HEARTBEATS: Final = 16
 class PortSettings:
     """The outputs of one link."""
 
-    publish: tuple[str, ...] = ("attitude_quaternion",)
+    publish: tuple[str, ...] = ("attitude_quaternion", TEXTS)
     """Names of the outputs that are sent without being requested."""
     yields: bool = True
     """Outputs that can be taken for the autopilot's own are held back while another onboard computer of the vehicle is
@@ -85,6 +87,8 @@ class Port:
         misleading = [output for output in published if output.misleads]
         self._misleading: Final = ", ".join([output.message for output in misleading])
         self._misled: Final = ", ".join([output.misleads for output in misleading])
+        self._sends_texts: Final = TEXTS in settings.publish
+        self._text_id = 0
         self._dialect: Final = dialect
         self._notes: Final = notes
         self._out: list[bytes] = []
@@ -147,22 +151,36 @@ class Port:
             self.held = False
             self._notes.info(f"{self.name}: the other onboard computer is gone; {self._misleading} is sent again")
         for channel in self._channels.values():
-            if not (self.held and channel.output.misleads) and channel.schedule.due(publication.estimate.t_ns):
-                self._put_output(channel.output, publication)
+            output = channel.output
+            if publication.confidence < output.least or (self.held and output.misleads):
+                continue
+            if channel.schedule.due(publication.estimate.t_ns):
+                self._put_output(output, publication)
 
     def publish_beside_heartbeat(self, publication: Publication) -> None:
         """Send the outputs of this link that go with the heartbeat."""
         for output in self._beside_heartbeat:
-            self._out += output.frames(self.encoder, publication)
+            if publication.confidence >= output.least:
+                self._out += output.frames(self.encoder, publication)
+
+    def say(self, severity: int, text: str) -> None:
+        """Send a text for people with this MAV_SEVERITY, on a link that carries texts."""
+        if self._sends_texts:
+            self._text_id = self._text_id % LAST_TEXT_ID + 1
+            self._out += self.encoder.statustexts(severity, text, self._text_id)
 
     def schedule_of(self, message_id: int) -> Schedule | None:
         """The schedule of an output, whether it is published here or not; None for other messages."""
         channel = self._channels.get(message_id)
         return None if channel is None else channel.schedule
 
-    def put_output(self, message_id: int, publication: Publication) -> None:
-        """Send an output now that has a schedule."""
-        self._put_output(self._channels[message_id].output, publication)
+    def put_output(self, message_id: int, publication: Publication) -> bool:
+        """Send an output now that has a schedule; False where the estimate is not to be believed so far."""
+        output = self._channels[message_id].output
+        if publication.confidence < output.least:
+            return False
+        self._put_output(output, publication)
+        return True
 
     def _put_output(self, output: Output, publication: Publication) -> None:
         if is_sound(publication.estimate):

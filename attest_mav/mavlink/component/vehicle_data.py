@@ -17,6 +17,7 @@ from attest_mav.mavlink.constants import (
     INERTIAL_MESSAGES,
     MAV_AUTOPILOT_ARDUPILOTMEGA,
     MAV_AUTOPILOT_INVALID,
+    MAV_AUTOPILOT_PX4,
     MAV_DATA_STREAM_EXTENDED_STATUS,
     MAV_DATA_STREAM_EXTRA1,
     MAV_DATA_STREAM_EXTRA2,
@@ -40,7 +41,18 @@ OTHER_MESSAGES: Final = (
     "PARAM_VALUE",
     "AUTOPILOT_VERSION",
     "STATUSTEXT",
+    "EKF_STATUS_REPORT",
+    "ESTIMATOR_STATUS",
+    "SYS_STATUS",
+    "AHRS2",
+    "AHRS3",
 )
+SELF_REPORTS: Final = {
+    MAV_AUTOPILOT_ARDUPILOTMEGA: ("EKF_STATUS_REPORT", "SYS_STATUS", "AHRS2"),
+    MAV_AUTOPILOT_PX4: ("ESTIMATOR_STATUS", "SYS_STATUS"),
+}
+"""The requested messages in which an autopilot tells of itself."""
+SELF_REPORT_HZ: Final = 1.0
 POSITION_MESSAGES: Final = ("GLOBAL_POSITION_INT", "LOCAL_POSITION_NED")
 """Results of the autopilot's own filter: requested only where the configuration names them."""
 
@@ -130,6 +142,10 @@ class VehicleData:
         ]
         streams += [self._stream(name, settings.aiding_hz, MAV_DATA_STREAM_POSITION) for name in settings.positions]
         streams += self._further_streams()
+        streams += [
+            self._stream(name, SELF_REPORT_HZ, NO_DATA_STREAM, is_optional=True)
+            for name in SELF_REPORTS.get(self._autopilot, ())
+        ]
         self.stream_manager.begin(streams, now_ns)
         self.autopilot_settings.begin(self._autopilot, self._is_plane, now_ns)
         self._version_due = settings.asks and self._autopilot == MAV_AUTOPILOT_ARDUPILOTMEGA
@@ -227,8 +243,7 @@ class VehicleData:
         return [self._imu_stream(message, is_optional=True) for message in self._further.requested]
 
     def _imu_stream(self, message: str, *, is_optional: bool = False) -> Stream:
-        hz, group = self._settings.imu_hz, MAV_DATA_STREAM_RAW_SENSORS
-        return Stream(self._dialect.id_of(message), message, hz, group, is_optional)
+        return self._stream(message, self._settings.imu_hz, MAV_DATA_STREAM_RAW_SENSORS, is_optional=is_optional)
 
-    def _stream(self, message: str, hz: float, group: int) -> Stream:
-        return Stream(self._dialect.id_of(message), message, hz, group)
+    def _stream(self, message: str, hz: float, group: int, *, is_optional: bool = False) -> Stream:
+        return Stream(self._dialect.id_of(message), message, hz, group, is_optional)

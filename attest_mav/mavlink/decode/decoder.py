@@ -14,6 +14,7 @@ from attest_mav.mavlink.decode.firmware import AutopilotVersionReader, StatusTex
 from attest_mav.mavlink.decode.imu_reader import ImuReader
 from attest_mav.mavlink.decode.motion_readers import CENTI, GpsReader, HudReader, VelocityReader
 from attest_mav.mavlink.decode.reader import Reader
+from attest_mav.mavlink.decode.self_report_readers import EkfStatusReader, EstimatorStatusReader, SensorHealthReader
 from attest_mav.mavlink.decode.sensor_reader import SensorReader
 from attest_mav.mavlink.decode.units import RawScales
 from attest_mav.mavlink.decode.vehicle_readers import ClockReader, HeartbeatReader, LandedReader
@@ -52,6 +53,7 @@ class Decoder:
                 dialect, "ATTITUDE", "time_boot_ms", ("rollspeed", "pitchspeed", "yawspeed"), AttitudeRole.AUTOPILOT
             ),
             AttitudeReader(dialect, "AHRS2", "", (), AttitudeRole.SECONDARY),
+            AttitudeReader(dialect, "AHRS3", "", (), AttitudeRole.SECONDARY),
             AttitudeReader(dialect, "SIMSTATE", "", ("xgyro", "ygyro", "zgyro"), AttitudeRole.TRUTH),
             QuaternionReader(dialect),
             SimStateReader(dialect),
@@ -64,6 +66,9 @@ class Decoder:
             ParameterReader(dialect),
             AutopilotVersionReader(dialect),
             StatusTextReader(dialect),
+            EkfStatusReader(dialect),
+            EstimatorStatusReader(dialect),
+            SensorHealthReader(dialect),
         ]
         self._readers: Final[dict[int, Reader]] = {dialect.id_of(reader.name): reader for reader in others}
         for imu in self._imu:

@@ -1,4 +1,4 @@
-"""What an autopilot says of its firmware: its version, and the estimator that makes the attitude at present."""
+"""What an autopilot says of its firmware and its estimator in texts: version, estimator in use, lanes, failures."""
 
 import re
 from typing import Final
@@ -8,7 +8,7 @@ from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
 from attest_mav.samples import Sample
 from attest_mav.types import Version
-from attest_mav.vehicle_reports import EstimatorSample, FirmwareSample
+from attest_mav.vehicle_reports import EstimatorNews, EstimatorNewsSample, EstimatorSample, FirmwareSample
 from attest_mav.vehicle_settings import Estimator
 
 BANNER: Final = re.compile(
@@ -24,6 +24,17 @@ ESTIMATOR_TEXTS: Final = {
     "AHRS: External active": Estimator.EXTERNAL,
 }
 """ArduPilot's words when it goes over to another estimator."""
+
+
+NEWS: Final = (
+    (re.compile(r"EKF\d? ?lane switch \d|EKF primary changed|AHRS: DCM active"), EstimatorNews.LANE_SWITCH),
+    (re.compile(r"EKF\d? ?variance|EKF Failsafe"), EstimatorNews.VARIANCE),
+    (re.compile(r"EKF\d? IMU\d? ?(?:has )?stopped aiding"), EstimatorNews.AIDING_LOST),
+    (re.compile(r"EKF\d? IMU\d (?:emergency yaw reset|ground mag anomaly)"), EstimatorNews.RESET),
+    (re.compile(r"(?:accel|gyro|mag)\w* ?#\d+ fail", re.IGNORECASE), EstimatorNews.SENSOR_FAILED),
+)
+"""The beginnings of texts about the estimator. The last row is PX4's, "Gyro #0 fail:  STALE!"; the others ArduPilot's,
+"EKF3 lane switch 1", "EKF primary changed:1", "EKF variance", "EKF3 IMU0 stopped aiding"."""
 
 
 class AutopilotVersionReader(Reader):
@@ -43,23 +54,33 @@ class AutopilotVersionReader(Reader):
 
 
 class StatusTextReader(Reader):
-    """STATUSTEXT of the two kinds above; all others give nothing."""
+    """STATUSTEXT of the kinds above; all others give nothing."""
 
     def __init__(self, dialect: Dialect) -> None:
         super().__init__("STATUSTEXT")
         self._fields: Final = dialect.layout(self.name).pick("text")
 
     def read(self, frame: Frame) -> list[Sample]:
-        """A FirmwareSample or an EstimatorSample."""
+        """A FirmwareSample, or an EstimatorSample and an EstimatorNewsSample, or the latter alone."""
         (raw,) = self._fields.unpack(frame.payload)
-        text = raw.split(b"\0", 1)[0].decode("ascii", "replace")
-        estimator = ESTIMATOR_TEXTS.get(text.strip())
+        text = raw.split(b"\0", 1)[0].decode("ascii", "replace").strip()
+        system, component, rx_ns = frame.system, frame.component, frame.rx_ns
+        samples: list[Sample] = []
+        estimator = ESTIMATOR_TEXTS.get(text)
         if estimator is not None:
-            return [EstimatorSample(self.name, frame.system, frame.component, frame.rx_ns, estimator)]
+            samples.append(EstimatorSample(self.name, system, component, rx_ns, estimator))
+        news = news_of(text)
+        if news is not None:
+            samples.append(EstimatorNewsSample(self.name, system, component, rx_ns, news, text))
         version = banner_version(text)
-        if version is None:
-            return []
-        return [FirmwareSample(self.name, frame.system, frame.component, frame.rx_ns, version)]
+        if version is not None:
+            samples.append(FirmwareSample(self.name, system, component, rx_ns, version))
+        return samples
+
+
+def news_of(text: str) -> EstimatorNews | None:
+    """What the text tells of the estimator, None for other texts."""
+    return next((news for pattern, news in NEWS if pattern.match(text)), None)
 
 
 def banner_version(text: str) -> Version | None:

@@ -72,7 +72,7 @@ def test_the_system_id_is_the_vehicles_unless_configured(bench, settings, expect
 def test_streams_are_asked_of_the_autopilots_exact_ids(bench):
     b = bench()
     b.vehicle_heartbeat(system=7, component=1)
-    for _ in range(6):
+    for _ in range(9):
         b.run_until(b.now_ns / SECOND + 0.05)
         b.hear(ack(0, target=(7, 193)), system=7, component=1)
     b.run_until(b.now_ns / SECOND + 0.05)
@@ -83,6 +83,9 @@ def test_streams_are_asked_of_the_autopilots_exact_ids(bench):
         (VFR_HUD, 200_000, 0),
         (SCALED_IMU2, 20_000, 0),
         (SCALED_IMU3, 20_000, 0),
+        (mavlink.MAVLINK_MSG_ID_EKF_STATUS_REPORT, 1_000_000, 0),
+        (mavlink.MAVLINK_MSG_ID_SYS_STATUS, 1_000_000, 0),
+        (mavlink.MAVLINK_MSG_ID_AHRS2, 1_000_000, 0),
     ]
     assert {(m.target_system, m.target_component) for m in b.of_type("COMMAND_LONG")} == {(7, 1)}
 

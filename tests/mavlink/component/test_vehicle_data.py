@@ -124,7 +124,7 @@ def test_a_sensor_that_does_not_exist_is_named_once_and_not_requested_again(witn
     assert w.bench.companion.data.single_imu == "no SCALED_IMU2 or SCALED_IMU3 comes with readings"
     requests = [message for message, _, _ in w.bench.interval_requests()]
     assert (requests.count(SCALED_IMU2), requests.count(SCALED_IMU3)) == (1, 1)
-    told = [note for note in w.bench.notes if "does not come" in note]
+    told = [note for note in w.bench.notes if "SCALED" in note and "does not come" in note]
     assert len(told) == 2
     assert not [note for note in w.bench.notes if "SCALED" in note and "asking again" in note]
 

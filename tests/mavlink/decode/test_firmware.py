@@ -62,7 +62,7 @@ def test_the_first_words_of_ardupilot(hear, text, version):
     ],
 )
 def test_the_words_when_the_estimator_changes(hear, text, estimator):
-    (sample,) = hear(text_message(text))
+    sample = hear(text_message(text))[0]
     assert isinstance(sample, EstimatorSample)
     assert sample.estimator == estimator
 
