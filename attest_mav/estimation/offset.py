@@ -21,6 +21,8 @@ SCATTER: Final = radians(1.0)
 """Standard deviation of the difference while it is averaged: above this it is no steady one."""
 SMALLEST: Final = radians(1.0)
 """A smaller offset is none: both attitudes agree."""
+OWN_SIGMAS: Final = 2.0
+"""A larger one of less than so many of our own tilt sigmas may be our error: it is measured again."""
 
 
 class OffsetMonitor:
@@ -34,8 +36,8 @@ class OffsetMonitor:
         self._sum = (0.0, 0.0)
         self._square = 0.0
 
-    def learn(self, ours: Quat, reference: AttitudeSample) -> None:
-        """Average one more pair of attitudes, until the offset is frozen."""
+    def learn(self, ours: Quat, reference: AttitudeSample, tilt_sigma: float) -> None:
+        """Average one more pair of attitudes, until the offset is frozen. tilt_sigma: of ours, rad, or NaN."""
         if self.frozen:
             return
         x, y = difference(ours, reference)
@@ -49,7 +51,7 @@ class OffsetMonitor:
         mean = (self._sum[0] / self._count, self._sum[1] / self._count)
         size = hypot(*mean)
         scatter_sq = self._square / self._count - size * size
-        if scatter_sq > SCATTER * SCATTER:
+        if scatter_sq > SCATTER * SCATTER or SMALLEST < size < OWN_SIGMAS * tilt_sigma:
             self._first_ns, self._count, self._sum, self._square = -1, 0, (0.0, 0.0), 0.0
             return
         self.frozen = True

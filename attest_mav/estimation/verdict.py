@@ -159,7 +159,7 @@ class Judge:
         if estimate.tilt_sigma > self._settings.max_sigma:
             return _verdict(Agreement.UNDECIDED, _doubt(estimate, "low-confidence"), None, source, sample)
         if not sample.frame_known and not estimate.tilt_sigma > self._settings.agree_sigma:
-            source.offset.learn(carried.q_nb, sample)
+            source.offset.learn(carried.q_nb, sample, estimate.tilt_sigma)
         theirs = sample.q_nb if sample.frame_known else source.offset.undone(sample)
         differences = self._differences(carried, theirs, source.disagrees)
         frozen = source.is_frozen(estimate.rates)

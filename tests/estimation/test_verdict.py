@@ -131,10 +131,10 @@ def reported(q_nb, trim, form):
     return (w, i, j, k)
 
 
-def fly(judge, trim, form, start_s, seconds, frame_known=False):
+def fly(judge, trim, form, start_s, seconds, frame_known=False, **ours):
     said = []
     for k in range(round(start_s * 10), round((start_s + seconds) * 10)):
-        said += judge.take_estimate(estimate(0.1 * k, banked(k)))
+        said += judge.take_estimate(estimate(0.1 * k, banked(k), **ours))
         said += judge.judge(attitude(0.1 * k, reported(banked(k), trim, form), form, frame_known))
     return said
 
@@ -154,6 +154,14 @@ def test_an_offset_that_arises_in_flight_is_a_disagreement(before):
     fly(judge, before, AttitudeForm.EULER, 0.0, 20.0)
     said = fly(judge, (before[0] + 5.0, before[1]), AttitudeForm.EULER, 20.0, 5.0)
     assert (said[-1].agreement, said[-1].reason) == (DISAGREE, "tilt")
+
+
+def test_an_offset_that_our_own_sigma_explains_is_none():
+    """At first ours is wrong by two degrees, and says so; later both agree."""
+    judge = Judge(VerdictSettings())
+    fly(judge, (2.0, 0.0), AttitudeForm.EULER, 0.0, 10.0, tilt_deg=1.5)
+    said = fly(judge, (0.0, 0.0), AttitudeForm.EULER, 10.0, 10.0, tilt_deg=1.5)
+    assert (said[-1].agreement, said[-1].reason) == (AGREE, "agrees")
 
 
 def test_a_known_trim_leaves_no_room_for_an_offset():
