@@ -10,9 +10,11 @@ from attest_mav.plausible import MAX_SPEED
 
 def fuse_velocity(x: LevelState, axis: int, measured: float, variance: float) -> tuple[LevelState, float, float]:
     """x after measuring the velocity along one axis of the body, the residual, and its variance."""
-    residual = measured - x.velocity[axis]
-    innovation_variance = x.p_vv[axis][axis] + variance
-    return (updated(x, unit_axis(axis), (0.0, 0.0, 0.0), residual, variance), residual, innovation_variance)
+    # A tuple of floats is not indexed by a variable: compiled, that would make Python objects of all its elements.
+    along = unit_axis(axis)
+    residual = measured - dot(along, x.velocity)
+    innovation_variance = quadratic(x.p_vv, along) + variance
+    return (updated(x, along, (0.0, 0.0, 0.0), residual, variance), residual, innovation_variance)
 
 
 def constrain_length(x: LevelState, variance: float) -> tuple[LevelState, LengthFusion]:
