@@ -2,15 +2,18 @@
 
 from typing import Final
 
+from mypy_extensions import mypyc_attr
+
 from attest_mav.innovation import Innovation
 from attest_mav.types import North, Quat, Vec3
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class Estimate:
-    """What one lane's filter says about one IMU sample.
+    """Attitude of one lane's filter at one IMU sample.
 
     lane: the IMU message. filter_name: the filter. q_nb: body to NED, sign-continuous. rates: bias-corrected body
-    angular rate, rad/s. north: what the heading refers to. tilt_sigma, heading_sigma: 1-sigma, rad, NaN where the
+    angular rate, rad/s. north: reference of the heading. tilt_sigma, heading_sigma: 1-sigma, rad, NaN where the
     filter has no covariance. dt_s: the step that led here, s. delay_s: how much later than usual the sample came, s.
     innovations: of the aids that had something to say in this step. sigma_is_proven: the sigmas cover the errors in
     flight too.

@@ -1,4 +1,4 @@
-"""The innovation record: what one aid measured in a step, how far that was from the prediction, and what became of it.
+"""The innovation record: one aid's measurement in a step, its residual from the prediction, and its use.
 
 Every aid of every filter leaves this record in each step in which it had something to say, used or not. One record is
 the column of a table, the figure in a report, the line of a log and the hook of a test at once (after EKF2's
@@ -8,6 +8,8 @@ the column of a table, the figure in a report, the line of a log and the hook of
 from enum import IntEnum
 from math import nan
 from typing import Final
+
+from mypy_extensions import mypyc_attr
 
 
 class Aid(IntEnum):
@@ -38,7 +40,7 @@ class Aid(IntEnum):
 
 
 class Fusion(IntEnum):
-    """What became of a measurement."""
+    """Use of a measurement."""
 
     USED = 0
     """Fused with its usual variance."""
@@ -58,6 +60,7 @@ class Fusion(IntEnum):
     """Left out: fused only beside another aid that this step lacks."""
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class Innovation:
     """One aid in one step. Vectors have one element for each scalar measurement."""
 

@@ -7,7 +7,7 @@ Units
 Frames
     Body ``b`` is FRD (forward, right, down). World ``n`` is NED (north, east, down).
     ``q_nb`` is a unit Hamilton quaternion (w, x, y, z) that turns body vectors into NED:
-    ``v_n = q_nb * v_b * conj(q_nb)``. It is exactly what MAVLink's ATTITUDE_QUATERNION carries.
+    ``v_n = q_nb * v_b * conj(q_nb)``. MAVLink's ATTITUDE_QUATERNION carries this quaternion.
     The accelerometer measures specific force: (0, 0, -g) when level and at rest.
 
 Time
@@ -16,7 +16,7 @@ Time
     ``t_ns`` only. ``NO_TIME`` marks messages that carry none.
 
 North
-    ``North`` says what a heading refers to. Magnetic and true north differ by the declination
+    ``North`` names the reference of a heading. Magnetic and true north differ by the declination
     (positive east): true = magnetic + declination.
 
 Meaning
@@ -32,6 +32,8 @@ from enum import IntEnum
 from math import nan
 from typing import Final
 
+from mypy_extensions import mypyc_attr
+
 Vec3 = tuple[float, float, float]
 Quat = tuple[float, float, float, float]
 Mat3 = tuple[Vec3, Vec3, Vec3]
@@ -45,7 +47,7 @@ NO_TIME: Final = -1
 
 
 class North(IntEnum):
-    """What a heading is measured from."""
+    """Reference of a heading."""
 
     RELATIVE = 0
     """Nothing: the heading at the start was taken as zero, or has drifted since the field was lost."""
@@ -71,6 +73,7 @@ class VehicleKind(IntEnum):
     """Ground vehicles and boats: over ground they go where they point."""
 
 
+@mypyc_attr(acyclic=True)  # as the samples that carry it
 class Quantum:
     """The resolution of an inertial sample's readings: one count of gyro (rad/s), accel (m/s^2) and mag (gauss).
 
@@ -99,7 +102,7 @@ class EarthField:
 
 
 class AttitudeRole(IntEnum):
-    """Whose attitude a sample carries, and so what it may be used for."""
+    """Source of an attitude sample, which decides its permitted uses."""
 
     AUTOPILOT = 0
     """The attitude that the autopilot flies by: the one to be judged (ATTITUDE, ATTITUDE_QUATERNION)."""
@@ -117,7 +120,7 @@ class AttitudeForm(IntEnum):
 
 
 class VelocityOrigin(IntEnum):
-    """Who measured a velocity. It decides its delay, and whether it is independent of the autopilot's estimator."""
+    """Source of a velocity, which decides its delay and whether the autopilot's estimator had a part in it."""
 
     RECEIVER = 0
     """A satellite receiver, unfiltered: late by the receiver's delay (GPS_RAW_INT; GPS records of logs)."""

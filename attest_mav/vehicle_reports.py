@@ -4,11 +4,14 @@ from enum import IntEnum
 from math import nan
 from typing import Final
 
+from mypy_extensions import mypyc_attr
+
 from attest_mav.samples import Sample
 from attest_mav.types import NO_TIME, VehicleKind, Version
 from attest_mav.vehicle_settings import Estimator, Setting
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class HeartbeatSample(Sample):
     """HEARTBEAT: who is there.
 
@@ -38,6 +41,7 @@ class HeartbeatSample(Sample):
         self.mode: Final = mode
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class LandedSample(Sample):
     """EXTENDED_SYS_STATE: whether the vehicle is on the ground, by the autopilot's own landing detector."""
 
@@ -46,6 +50,7 @@ class LandedSample(Sample):
         self.on_ground: Final = on_ground
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class ClockSample(Sample):
     """SYSTEM_TIME: ``t_ns`` is time since boot, ``unix_us`` the wall clock in microseconds (0 when unknown)."""
 
@@ -54,6 +59,7 @@ class ClockSample(Sample):
         self.unix_us: Final = unix_us
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class ParameterSample(Sample):
     """PARAM_VALUE of a parameter that tells a setting. ``name`` is the autopilot's; PARAM_VALUE carries no time.
 
@@ -79,6 +85,7 @@ class ParameterSample(Sample):
         self.is_listed: Final = is_listed
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class FirmwareSample(Sample):
     """The version of the autopilot's firmware, as AUTOPILOT_VERSION or its first words tell it."""
 
@@ -87,6 +94,7 @@ class FirmwareSample(Sample):
         self.version: Final = version
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class EstimatorSample(Sample):
     """The autopilot's word that from now on this estimator makes the attitude that it reports."""
 

@@ -8,6 +8,8 @@ rates carry it there. The part of the turn that rates at the ends cannot show is
 from collections import deque
 from typing import Final
 
+from mypy_extensions import mypyc_attr
+
 from attest_mav.algebra import add, norm, q_exp, q_mul, scale, sub
 from attest_mav.estimate import Estimate
 from attest_mav.estimation.timebase import wrapped_difference_ns
@@ -25,6 +27,7 @@ MAX_WAITING: Final = 32
 """Attitudes that wait for an estimate; the oldest is given up."""
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class Carried:
     """Our attitude at the time of one of the autopilot's.
 

@@ -3,6 +3,8 @@
 from enum import IntEnum
 from typing import Final
 
+from mypy_extensions import mypyc_attr
+
 GAP_S: Final = 0.1
 GAP_PERIODS: Final = 2.5
 """A step longer than both, the second in usual steps, is a gap: the filter goes on, and the gap is counted. A stream
@@ -25,7 +27,7 @@ _RESTART_NS: Final = 1_000_000_000
 
 
 class StepKind(IntEnum):
-    """What a timestamp means after the one before it."""
+    """Meaning of a timestamp after the one before it."""
 
     FIRST = 0
     STEP = 1
@@ -42,6 +44,7 @@ class StepKind(IntEnum):
     """Up to a second back: out of order, to be dropped."""
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class TimeStep:
     """One classified step. ``dt_s`` is positive for STEP, GAP and RESTART and 0 otherwise.
 
@@ -94,7 +97,7 @@ class TimeBase:
         return TimeStep(self._kind(delta_ns * 1e-9), delta_ns * 1e-9, now_ns)
 
     def _kind(self, dt_s: float) -> StepKind:
-        """STEP, GAP or RESTART, by the length of a forward step; learns what is usual."""
+        """STEP, GAP or RESTART, by the length of a forward step; updates the usual one."""
         if dt_s > LONGEST_STEP_S:
             return StepKind.RESTART
         usual_s = self.usual_s if self.usual_s > 0.0 else dt_s

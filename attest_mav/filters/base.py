@@ -19,6 +19,7 @@ MAX_CORRECTION_DT_S: Final = 0.05
 """A correction after a gap counts for at most this long, s: the reading is one reading however long the gap was."""
 
 
+@mypyc_attr(acyclic=True)  # as samples.Sample
 class Start:
     """Where a filter begins: the outcome of alignment."""
 
@@ -39,6 +40,7 @@ class Start:
         """Whether the vehicle stood, as far as can be told."""
 
 
+@mypyc_attr(acyclic=True)  # as samples.Sample
 class BodyVelocity:
     """Velocity in the body at one instant, m/s."""
 
@@ -57,6 +59,7 @@ class BodyVelocity:
         """True only on the sample that first carries this velocity."""
 
 
+@mypyc_attr(acyclic=True)  # as samples.Sample
 class Airspeed:
     """Speed through the air."""
 
@@ -67,6 +70,7 @@ class Airspeed:
         """Who measured or made it."""
 
 
+@mypyc_attr(acyclic=True)  # as samples.Sample
 class FilterInputs:
     """Everything known besides the inertial sample, at the time of the sample."""
 

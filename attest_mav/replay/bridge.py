@@ -11,6 +11,8 @@ from itertools import pairwise
 from math import atan2, sqrt
 from typing import Final
 
+from mypy_extensions import mypyc_attr
+
 from attest_mav.algebra import add, norm, q_conj, q_continuous, q_exp, q_mul, scale, sub
 from attest_mav.types import Quat, Vec3
 
@@ -20,6 +22,7 @@ EVEN_SHARE: Final = 0.25
 """Error over turn for a bridge without rates: an even turn in the place of one that begins at rest."""
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class Knot:
     """One sample of the reference."""
 
@@ -30,6 +33,7 @@ class Knot:
         """Body angular rate, rad/s; None if not known."""
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class RateReading:
     """One reading of the gyro."""
 

@@ -3,6 +3,8 @@
 from collections import deque
 from typing import Final, Protocol
 
+from mypy_extensions import mypyc_attr
+
 from attest_mav.algebra import heading_between, tilt_between
 from attest_mav.estimation.timebase import WRAP_NS
 from attest_mav.innovation import Innovation
@@ -13,6 +15,7 @@ from attest_mav.replay.steady_tilt import SteadyTilt
 from attest_mav.types import North, Quat
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class Attitude:
     """One attitude to be compared. Sigmas and innovations are those of ``Estimate``."""
 
@@ -43,6 +46,7 @@ class Attitude:
         """Of the aids that had something to say in this step."""
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class ComparedAttitude:
     """One attitude with its errors against the reference."""
 

@@ -10,6 +10,8 @@ nearest timed message, moved by the difference of the arrivals.
 
 from typing import Final
 
+from mypy_extensions import mypyc_attr
+
 from attest_mav.samples import AttitudeSample
 
 BURST_NS: Final = 10_000_000
@@ -20,6 +22,7 @@ MEMORY: Final = 0.95
 """The usual distance is an exponential average with this weight of the past per message; stream rates can change."""
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class Stamped:
     """An untimed sample with the time found for it, on the sensor's clock."""
 

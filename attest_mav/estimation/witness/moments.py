@@ -4,6 +4,8 @@ from collections import deque
 from collections.abc import Iterator
 from typing import Final
 
+from mypy_extensions import mypyc_attr
+
 from attest_mav.filters.base import FilterInputs, FilterState
 from attest_mav.samples import ImuSample
 
@@ -11,6 +13,7 @@ LENGTH_NS: Final = 11_000_000_000
 """How far back a moment can be run again."""
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class Moment:
     """One sample of a lane. Its inputs have the newest fix as it came, used or not."""
 

@@ -32,7 +32,7 @@ MIN_VARIANCE: Final = 1e-12
 """Floor of the variances."""
 
 
-@mypyc_attr(acyclic=True)  # as FilterState
+@mypyc_attr(acyclic=True, free_list_len=1)  # as GradientDescentState
 class LevelState:
     """The estimate of velocity and down vector."""
 
@@ -57,7 +57,7 @@ def predicted(
     gyro, earth: rad/s. accel: specific force, m/s^2. noise: variances that grow on each component of velocity and of
     down vector, a second.
 
-    The transition is [a b; 0 d]. For b, the turn by w + W of what has turned by w - W averages to the turn by w.
+    The transition is [a b; 0 d]. In b, the turns by w + W and by w - W of one vector average to the turn by w.
     """
     a = axes_turn(scale(add(gyro, earth_rate), dt_s))
     b = mat_scale(axes_turn(scale(gyro, dt_s)), gravity * dt_s)
@@ -75,7 +75,7 @@ def predicted(
 
 
 def velocity_gain(rate: Vec3, accel: Vec3, dt_s: float) -> Vec3:
-    """What a constant specific force adds to the velocity in axes that turn at ``rate``, to third order in dt_s."""
+    """Velocity that a constant specific force adds in axes that turn at ``rate``, m/s, to third order in dt_s."""
     turned = cross(rate, accel)
     turned_twice = cross(rate, turned)
     return (

@@ -1,7 +1,7 @@
 """The heading beside a down vector: the north direction in the body, level with it.
 
-It is carried by the gyro and drawn to the magnetic field. Together with the down vector it is the whole attitude and
-tells the Earth's turn.
+The gyro turns this north vector, and the magnetic field corrects it. North and down vector together are the attitude,
+and give the Earth's rate in the body.
 """
 
 from math import atan2, cos, isnan, nan, sin
@@ -20,7 +20,7 @@ MIN_LENGTH: Final = 1e-6
 """A vector shorter than this has no direction."""
 
 
-@mypyc_attr(acyclic=True)  # as FilterState
+@mypyc_attr(acyclic=True, free_list_len=1)  # as GradientDescentState
 class NorthVector:
     """A heading, as a direction in the body, with the record of its correction."""
 
@@ -38,9 +38,9 @@ class NorthVector:
         self.variance: Final = variance
         """Of the heading, rad^2."""
         self.known: Final = known
-        """False while it is only where a start without field or in motion put it."""
+        """False until a heading was measured, after a start without field or in motion."""
         self.fusion: Final = fusion
-        """What became of this step's heading measurement, None without one."""
+        """Use of this step's heading measurement, None without one."""
         self.residual: Final = residual
         """Measured minus predicted heading by the field, rad; NaN without one."""
         self.innovation_variance: Final = innovation_variance

@@ -12,7 +12,7 @@ from attest_mav.innovation import Aid, Fusion, Innovation
 from attest_mav.types import Quat, Vec3
 
 
-@mypyc_attr(acyclic=True)  # as FilterState
+@mypyc_attr(acyclic=True, free_list_len=1)  # as GradientDescentState
 class VelocityModel:
     """The model of the velocity that is in use."""
 
@@ -25,7 +25,7 @@ class VelocityModel:
         """Body, m/s, of a vehicle without a speed: zero, or the last one while there were readings."""
 
 
-@mypyc_attr(acyclic=True)
+@mypyc_attr(acyclic=True, free_list_len=1)  # as GradientDescentState
 class VelocityFusion:
     """The velocity measurements of one step; NaN for an axis that was not used."""
 
@@ -52,7 +52,7 @@ class VelocityFusion:
         )
 
 
-@mypyc_attr(acyclic=True)
+@mypyc_attr(acyclic=True, free_list_len=1)  # as GradientDescentState
 class LengthFusion:
     """The unit-length constraint of one step."""
 

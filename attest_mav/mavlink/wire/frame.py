@@ -10,7 +10,7 @@ The checksum covers everything between the magic byte and itself, and the CRC ex
 
 from typing import Final
 
-from mypy_extensions import i64
+from mypy_extensions import i64, mypyc_attr
 
 MAGIC_V1: Final = 0xFE
 MAGIC_V2: Final = 0xFD
@@ -25,6 +25,7 @@ NO_FRAME: Final = 0
 INCOMPLETE: Final = -1
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class Frame:
     """One intact frame.
 
