@@ -177,7 +177,8 @@ def tilt_between(a: Quat, b: Quat) -> float:
 def heading_between(a: Quat, b: Quat) -> float:
     """Heading of a minus heading of b with their tilt difference set aside, rad in (-pi, pi].
 
-    It is the turn about the vertical in a * conj(b) (swing-twist), which stays defined where Euler yaw does not.
+    The angle is that of the turn about the vertical in a * conj(b) (swing-twist), which stays defined where Euler yaw
+    does not.
     """
     e = q_mul(a, q_conj(b))
     return wrap_pi(2.0 * atan2(e[3], e[0]))

@@ -27,7 +27,7 @@ class UsageError(AttestMavError):
 
 
 class UnreadableDataError(AttestMavError):
-    """A file cannot be read as what it is supposed to be."""
+    """A file cannot be read in the format expected of it."""
 
     exit_code = 65
 

@@ -1,9 +1,8 @@
 """Covariances: small matrices as tuples of rows.
 
 A covariance of several vectors is kept in blocks of 3 x 3, each named after the two vectors that it relates: the
-propagation then reads like its equations and skips what is zero. Every function returns a new value. Nothing here is
-a general library: it is what the filters need, written out because the compiler unboxes tuples of fixed length, and
-only these.
+propagation then reads like its equations and skips the zeros. Every function returns a new value. The functions are
+those that the filters need, written out because the compiler unboxes tuples of fixed length, and only these.
 """
 
 from math import cos, sin, sqrt
@@ -178,7 +177,7 @@ def quadratic(m: Mat3, h: Vec3) -> float:
 
 
 def axes_turn(angle: Vec3) -> Mat3:
-    """exp(-[angle]x): what a fixed vector's coordinates are multiplied by when its axes turn by ``angle``, rad.
+    """exp(-[angle]x): the change of a fixed vector's coordinates when the axes turn by ``angle``, rad.
 
     Rodrigues: I - a [u]x + b [u]x^2, with a = sin t / t and b = (1 - cos t) / t^2 for the angle t.
     """

@@ -20,7 +20,7 @@ def command(config_file: str | None, urls: tuple[str, ...]) -> None:
     """Run the daemon: inertial messages in, ATTITUDE_QUATERNION out.
 
     Links: serial:/dev/ttyAMA0:921600, udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT, and sim: for
-    the built-in fake autopilot. pymavlink's spellings work too. It ends with 0 on SIGINT and SIGTERM.
+    the built-in fake autopilot. pymavlink's spellings work too. SIGINT and SIGTERM end the daemon with exit code 0.
     """
     config = load_config(config_file, urls)
     log_to_stderr(config.log.level)

@@ -3,8 +3,8 @@
 Half a second of steady readings is averaged. A vehicle whose readings do not become steady is aligned with what there
 is after ``PATIENCE_S``: a start that the filters must then mend.
 
-Steady readings are no proof of rest: a slow, level turn is as steady. What is taken for bias therefore depends on
-what the vehicle says of itself.
+Steady readings are no proof of rest: a slow, level turn is as steady. Whether the mean rate counts as gyro bias
+therefore depends on the vehicle's own report that it stands.
 """
 
 from typing import Final
@@ -72,7 +72,7 @@ class Aligner:
     def add(self, sample: ImuSample, dt_s: float, stands: bool | None) -> Start | None:
         """Take the sample that came ``dt_s`` after the last one; the start, once there is one.
 
-        ``stands``: what the vehicle says of itself, None if nothing.
+        ``stands``: whether the vehicle reports that it stands, None without a report.
         """
         if self._began:
             self._waited_s += dt_s

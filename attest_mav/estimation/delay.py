@@ -1,4 +1,4 @@
-"""How late a sample comes, beyond what is usual on its link.
+"""Delay of a sample beyond the usual delay of its link.
 
 The two clocks have nothing in common but that they run alike, so only changes can be seen: the least recent difference
 between arrival and timestamp is the quickest that a sample has come, and what exceeds it is delay. That is how a

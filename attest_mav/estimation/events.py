@@ -1,4 +1,4 @@
-"""What the pipeline says: events of a lane, and verdicts. Estimates are events too."""
+"""Outputs of the pipeline: events of a lane, and verdicts. Estimates are events too."""
 
 from enum import IntEnum
 from typing import Final
@@ -7,7 +7,7 @@ from attest_mav.estimate import Estimate
 
 
 class LaneEventKind(IntEnum):
-    """What happened to a lane."""
+    """Kind of a lane's event."""
 
     ALIGNED = 0
     """Alignment succeeded; estimates follow."""
@@ -28,7 +28,7 @@ class LaneEventKind(IntEnum):
     DISPUTED = 8
     """Two inertial sensors, or the attitudes on them, differ by more than they should."""
     FAULTY = 9
-    """The sensor is at fault: it is set aside, and the text says what is wrong with it."""
+    """The sensor is at fault and set aside; the text names the fault."""
     RETURNED = 10
     """A sensor that was set aside reads like the others again, and is used."""
     CONTRADICTED = 11

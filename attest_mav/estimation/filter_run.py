@@ -31,9 +31,9 @@ class FilterRun:
         self.filter = self._as_configured.with_vehicle_settings(known)
 
     def begin(self, start: Start, stands: bool) -> None:
-        """Start the filter, with what an earlier state still knows.
+        """Start the filter, with the still valid parts of an earlier state.
 
-        That is the gyro bias, unless the vehicle surely stands and has shown a newer one; and the heading, if the
+        These are the gyro bias, unless the vehicle surely stands and has shown a newer one; and the heading, if the
         start has no field.
         """
         before = self.state
@@ -56,7 +56,7 @@ class FilterRun:
         delay_s: float,
         declination: float,
     ) -> Estimate:
-        """What the state says at this sample; the heading is true once the declination (rad) is known."""
+        """The estimate of the state at this sample; the heading is true once the declination (rad) is known."""
         q_nb, north = state.q_nb, self.north
         if north == North.MAGNETIC and isfinite(declination):
             q_nb, north = q_mul(q_heading(declination), q_nb), North.TRUE

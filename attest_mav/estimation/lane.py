@@ -21,7 +21,7 @@ from attest_mav.types import North, Quat
 HEADING_MEMORY_S: Final = 10.0
 """Without a magnetometer for longer the heading is dead-reckoned, and no longer referred to north."""
 HEADING_CAPTURE: Final = 0.09
-"""rad (5 deg): a heading counts as found again when it is this near to what the field says."""
+"""rad (5 deg): a heading counts as found again when it is this near to the heading by the field."""
 
 
 class Lane:
@@ -107,7 +107,7 @@ class Lane:
         return events
 
     def _in_order(self, step: TimeStep, sample: ImuSample, events: list[Event]) -> bool:
-        """Act on what the timestamp means; False when the sample is to be dropped."""
+        """Act on the kind of the time step; False when the sample is to be dropped."""
         kind = step.kind
         if kind == StepKind.REPEAT:
             self.repeats += 1
@@ -128,7 +128,7 @@ class Lane:
         return True
 
     def _restart(self, sample: ImuSample, events: list[Event], kind: LaneEventKind, text: str) -> None:
-        """Begin alignment anew; the filters' last states stay for what can be kept of them."""
+        """Begin alignment anew; the filter's last state stays, for its bias and heading."""
         self.restarts += 1
         self._aligned = False
         self._aligner = Aligner()
@@ -182,7 +182,7 @@ class Lane:
             run.begin(Start(q_nb, (0.0, 0.0, 0.0), north, sample.accel, sample.mag, False), stands=False)
 
     def _judge(self, run: FilterRun, state: FilterState, sample: ImuSample, events: list[Event]) -> None:
-        """Keep what the run says of itself true: whether it has settled, and what its heading refers to."""
+        """Update whether the run is aligned, and the north that its heading refers to."""
         own_north = state.referred_to
         if own_north is None:
             self._judge_heading(run, state, sample, events)

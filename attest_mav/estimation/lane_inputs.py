@@ -35,7 +35,7 @@ class QuietSensors:
 
 
 class LaneInputs:
-    """What the vehicle and the lane's own readings tell its filter, and which of it is new to the filter."""
+    """Inputs of a lane's filter from the vehicle and the lane's own readings, marked where new to the filter."""
 
     def __init__(self, vehicle: Vehicle) -> None:
         self._vehicle: Final = vehicle

@@ -1,4 +1,4 @@
-"""The pipeline: samples in; estimates, lane events and verdicts out. It never waits and reads no clock.
+"""The pipeline: samples in; estimates, lane events and verdicts out. No call waits or reads a clock.
 
 Live, replay and simulation drive the same object: ``handle`` for every sample, ``poll`` when ``next_deadline_ns``
 has come. Each inertial stream is a lane of its own. With a velocity-aided filter the witness selects the lane that is
@@ -34,7 +34,7 @@ MOVED_TRIM: Final = radians(1.0)
 
 @dataclass(frozen=True)
 class PipelineSettings:
-    """When to stop, and what to compare.
+    """Time limit of an estimate, and settings of verdict and aiding.
 
     stale_s: without a sample for this long there is no estimate, and one that comes later than this does not hold.
     max_sigma: above this tilt sigma an estimate is not published, rad. verdict: thresholds of the comparison with the
@@ -64,7 +64,7 @@ class Pipeline:
     ) -> None:
         self.lanes: Final[dict[str, Lane]] = {}
         self.vehicle: Final = Vehicle(settings.aids) if vehicle is None else vehicle
-        """What is known of the vehicle, shared by all lanes."""
+        """State of the vehicle, shared by all lanes."""
         self.imu_frame: Final = ImuFrame(self.vehicle)
         """Turns the autopilot's attitudes into the frame of the inertial messages."""
         self.estimate: Estimate | None = None
@@ -117,7 +117,7 @@ class Pipeline:
             lane.use_vehicle_settings()
 
     def handle(self, sample: Sample) -> list[Event]:
-        """Take one sample, in order of arrival; what follows from it, in order."""
+        """Take one sample, in order of arrival; the events that follow from it, in order."""
         if isinstance(sample, ImuSample):
             return self._handle_imu(sample)
         if isinstance(sample, AttitudeSample):
@@ -158,7 +158,7 @@ class Pipeline:
         )
 
     def poll(self, now_ns: int) -> list[Event]:
-        """What follows from nothing having come until ``now_ns`` (host clock)."""
+        """Events due because no sample has come until ``now_ns`` (host clock)."""
         estimate = self.estimate
         if estimate is None or now_ns < estimate.rx_ns + self._stale_ns():
             return [*self._check.poll(now_ns)]
@@ -183,7 +183,7 @@ class Pipeline:
         return estimate_ns if reference_ns is None else min(estimate_ns, reference_ns)
 
     def _handle_imu(self, sample: ImuSample) -> list[Event]:
-        """Run the sample's lane; publish and remember what the primary lane says."""
+        """Run the sample's lane; keep and check the estimate of the selected lane."""
         source = sample.source
         if not self._sources:
             self._sources.append(source)

@@ -21,7 +21,7 @@ CONTRADICTION: Final = 0.02
 
 
 class Reference:
-    """What is remembered of one source of attitudes."""
+    """State of the comparison with one source of attitudes."""
 
     def __init__(self, offset: OffsetMonitor) -> None:
         self.offset: Final = offset

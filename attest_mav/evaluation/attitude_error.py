@@ -9,7 +9,7 @@ from attest_mav.evaluation.butterworth import highpass
 from attest_mav.evaluation.motion import Array, conjugate, multiply
 
 HF_CUTOFF_HZ: Final = 5.0
-"""What is faster than this in the error is vibration that the filter adds: no true motion here is so fast."""
+"""Hz. Errors above this frequency are vibration that the filter adds: no true motion here is so fast."""
 
 
 @dataclass(frozen=True)

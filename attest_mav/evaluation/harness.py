@@ -1,4 +1,4 @@
-"""What a scenario of the papers is, and how its trials are spread over processes.
+"""Scenarios of the papers, with their trials spread over processes.
 
 A scenario has an id, bounds for what it measures, and a function that measures it. To add the scenarios of a paper:
 
@@ -39,7 +39,7 @@ Measure = Callable[[int, int, TrialMap], dict[str, float]]
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a scenario measured, beside its bounds and what the paper printed (None where it printed no figure)."""
+    """Figures of a scenario, with their bounds and the paper's figures (None where the paper printed none)."""
 
     id: str
     title: str

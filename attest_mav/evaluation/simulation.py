@@ -28,7 +28,7 @@ class SensorErrors:
 
 
 def imu_samples(motion: Motion, field_ned: Vec3, errors: SensorErrors, rng: np.random.Generator) -> list[ImuSample]:
-    """What the sensors read on that motion in that field.
+    """Readings of the sensors on that motion in that field.
 
     The draws do not depend on the sizes of the errors, so runs that differ only in these share their noise.
     """

@@ -73,7 +73,7 @@ class VehicleSummary:
     parameters: tuple[ParameterSample, ...]
     """The parameters in the log behind ``settings``, the last one of each setting."""
     opening: tuple[Sample, ...] = ()
-    """What is known of the vehicle at the beginning: its first heartbeat, its firmware, the first value of each
+    """The vehicle as the log's first samples tell it: its first heartbeat, its firmware, the first value of each
     parameter."""
 
     date: FlightDate | None = None

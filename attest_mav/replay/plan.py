@@ -47,7 +47,7 @@ def make_plan(summary: LogSummary, imu: str | None, reference: str | None, wante
 
 
 def suitable_filter() -> AttitudeFilter:
-    """The filter if the user names none. It is the best one without a receiver's velocity too."""
+    """The filter if the user names none: the most accurate one, without a receiver's velocity too."""
     return default_filter("velocity-aided")
 
 

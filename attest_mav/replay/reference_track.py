@@ -28,7 +28,7 @@ class Lack(IntEnum):
     """The reason why there is no attitude of the reference at a time."""
 
     OUTSIDE = 0
-    """It is before the first sample or after the last one."""
+    """The time is before the first sample or after the last one."""
     UNEVEN = 1
     """The reference moves too unevenly between its samples there to be bridged."""
 

@@ -120,7 +120,7 @@ class FakeAutopilot:
         return self.trajectory.at(t_ns * 1e-9)
 
     def __str__(self) -> str:
-        """What it is and what it does, for people."""
+        """Firmware, scenario, inertial message and its rate, for people."""
         imu = next(name for name in self.streams.names if name in INERTIAL_MESSAGES)
         rate_hz = 1e9 / self.streams.intervals[imu]
         return f"{self.personality.name} vehicle, scenario {self.settings.scenario}, {imu} at {rate_hz:.4g} Hz"

@@ -3,8 +3,8 @@
 SET_MESSAGE_INTERVAL and REQUEST_MESSAGE are acknowledged, every other command is UNSUPPORTED; REQUEST_DATA_STREAM is
 a message without acknowledgement (PX4 ignores it). TIMESYNC requests are answered with the time of arrival, to all, as
 ArduPilot does. PARAM_REQUEST_READ is answered for the parameters that there are, and for others not at all, as both
-firmwares do; PARAM_SET takes effect at once and is announced by PARAM_VALUE. What is addressed to somebody else, or
-claims to come from the autopilot itself, is dropped.
+firmwares do; PARAM_SET takes effect at once and is announced by PARAM_VALUE. A message that is addressed to somebody
+else, or that claims to come from the autopilot itself, is dropped.
 """
 
 from math import isfinite

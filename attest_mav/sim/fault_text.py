@@ -80,7 +80,7 @@ def _named(text: str, name: str) -> tuple[FaultKind, int | None, str | None]:
 
 
 def _suggestion(plain: str, kinds: dict[str, FaultKind]) -> str:
-    """What may have been meant."""
+    """A hint at the nearest valid name."""
     head, _, last = plain.rpartition("-")
     if head in kinds:
         axes = kinds[head].axes

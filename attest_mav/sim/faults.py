@@ -24,7 +24,7 @@ NOWHERE: Final[Vec3] = (0.0, 0.0, 0.0)
 
 
 class Part(Enum):
-    """What has the fault."""
+    """The part that has the fault."""
 
     GYRO = auto()
     ACCEL = auto()
@@ -36,7 +36,7 @@ class Part(Enum):
 
 
 class Effect(Enum):
-    """What the fault does to it."""
+    """The effect of the fault on the part."""
 
     OFFSET = auto()
     SCALE = auto()
@@ -77,7 +77,7 @@ class FaultKind:
     part: Part
     effect: Effect
     does: str
-    """What happens while the fault is on, for --help."""
+    """Effect while the fault is on, in words for --help."""
     size: SizeRange | None = None
     """None for a fault without a size."""
     axes: tuple[str, ...] = ()

@@ -37,7 +37,7 @@ def clipped(v: Vec3, limit: float) -> Vec3:
 
 
 class Lowpass:
-    """ArduPilot's biquad in direct form II. It starts settled on the first value."""
+    """ArduPilot's biquad in direct form II, settled on the first value at the start."""
 
     def __init__(self, rate_hz: float, cutoff_hz: float) -> None:
         ohm = tan(pi * cutoff_hz / rate_hz)

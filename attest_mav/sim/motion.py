@@ -1,4 +1,4 @@
-"""What a body does at one instant.
+"""Motion of a body at one instant.
 
 Attitudes are made of yaw-pitch-roll angles and their rates. Going from those to body rates is regular in every
 attitude (only the way back is not), so a tumbling body may pass through any of them.

@@ -1,4 +1,4 @@
-"""What an autopilot's firmware sends, how fast, and how it answers when asked for something else.
+"""Streams and rates of an autopilot's firmware, and its answers to requests for others.
 
 Taken from ArduPilot's ``GCS_MAVLink/GCS_Common.cpp`` (set_ap_message_interval, set_message_interval) and PX4's
 ``mavlink_receiver.cpp`` and ``mavlink_main.cpp`` (onboard mode). Two liberties: both send SIM_STATE, the truth, beside
@@ -80,7 +80,7 @@ class Personality:
     version: int
     """flight_sw_version of AUTOPILOT_VERSION: major, minor and patch number, and the kind of release, a byte each."""
     lane_texts: tuple[tuple[int, str], ...]
-    """What is said when another lane is selected: MAV_SEVERITY, and text in which {} stands for the lane's index."""
+    """Messages sent when another lane is selected: MAV_SEVERITY, and text in which {} stands for the lane's index."""
 
 
 ARDUPILOT_LOWPASS_HZ: Final = 20.0

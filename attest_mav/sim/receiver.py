@@ -33,9 +33,9 @@ class Gps:
         self.velocity: Vec3 = NOWHERE
         """NED, m/s."""
         self.accuracy = 0.0
-        """What the receiver says of its velocity's deviation, m/s; 0 for nothing."""
+        """Reported standard deviation of the velocity, m/s; 0 for none."""
         self.error: Vec3 = NOWHERE
-        """What faults have changed in the velocity, m/s."""
+        """Error that faults have added to the velocity, NED, m/s."""
 
     def update(self, t_ns: int, faults: Faults = ()) -> None:
         """Take a fix if one is due."""

@@ -25,7 +25,7 @@ class AttitudeReport:
         self.lanes = lanes
         self.faults = faults
         self.frozen: tuple[Quat, Vec3] | None = None
-        """What was first reported since the attitude froze."""
+        """Attitude and rates at the moment the report froze; None while it does not."""
         self.phases = [(rng.uniform(0.0, 2.0 * pi), rng.uniform(0.0, 2.0 * pi)) for _ in range(3)]
 
     def at(self, t_s: float, motion: Motion) -> tuple[Quat, Vec3]:

@@ -1,4 +1,4 @@
-"""What a simulation is made of: frozen records with a default for everything."""
+"""Settings of a simulation: frozen records with a default for everything."""
 
 from dataclasses import dataclass, field
 
@@ -65,4 +65,4 @@ class SimSettings:
     mag_offset: Vec3 = (0.11, -0.06, 0.08)
     """gauss: the vehicle's own field, which PX4 leaves in SCALED_IMU. Calibrated messages are without it."""
     faults: tuple[Fault, ...] = ()
-    """What goes wrong, and when; ``fault_text.parse_faults`` reads what users write."""
+    """Faults with their times; ``fault_text.parse_faults`` reads the text that users write."""

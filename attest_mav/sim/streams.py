@@ -63,7 +63,7 @@ class Streams:
                 self._start(stream.message, interval_ns, now_ns)
 
     def _allowed_ns(self, interval_us: int) -> int:
-        """What becomes of an interval that is asked for.
+        """The interval that the firmware sets when this one is requested, ns.
 
         ArduPilot: whole milliseconds, cut down; at least one; and "at most 80 % of main loop rate", again cut down,
         so that a 400 Hz loop sends 333 Hz and a 50 Hz loop 40 Hz. Others: as asked, one message a loop at most.

@@ -1,4 +1,4 @@
-"""What a trajectory is. All of them stand still for ``STILL_S`` seconds first, so that a filter can align."""
+"""The interface of trajectories. All of them stand still for ``STILL_S`` seconds first, so that a filter can align."""
 
 from abc import ABC, abstractmethod
 from math import radians

@@ -1,4 +1,4 @@
-"""One explanation of a contradiction, run beside the lanes: what would have to be wrong, and how well it then fits."""
+"""One explanation of a contradiction, run beside the lanes: the fault that it assumes, and its fit."""
 
 from enum import IntEnum
 from typing import Final
@@ -36,7 +36,7 @@ DELAY_SIGMA: Final = 0.03
 
 
 class Explanation(IntEnum):
-    """What would have to be wrong."""
+    """The fault that a candidate assumes."""
 
     RECEIVER = 0
     """The receiver makes no sense."""
@@ -64,11 +64,11 @@ class Hypothesis:
 
     @property
     def cost(self) -> float:
-        """What it costs to believe it."""
+        """Penalty of the explanation, added to its score."""
         return 0.0 if self.kind == Explanation.RECEIVER else COST
 
     def begun(self, one: VelocityAided, state: FilterState) -> FilterState:
-        """The state that begins to believe it."""
+        """The state with which the explanation starts."""
         if self.kind == Explanation.OFFSET:
             return with_velocity_unknown(one, state)
         if self.kind == Explanation.LATE:

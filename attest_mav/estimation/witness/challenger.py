@@ -37,7 +37,7 @@ NIS_SHARE: Final = 0.1
 
 
 class Challenge(IntEnum):
-    """What the challenger shows."""
+    """Result of the challenger."""
 
     OPEN = 0
     NEAR = 1
@@ -89,7 +89,7 @@ class Challenger:
             self.mean_nis += NIS_SHARE * (min(record.nis, FIT_NIS) - self.mean_nis)
 
     def shows(self, lane: FilterState, field: FieldWatch, lane_residual: float) -> Challenge:
-        """What it shows beside a lane of which the field's mean residual is given."""
+        """The result beside a lane; ``lane_residual``: that lane's mean residual of the field."""
         state = self.state
         if state is None or self.fits < FITS or state.tilt_sigma > SURE:
             return Challenge.OPEN

@@ -26,7 +26,7 @@ MOVING: Final = 0.15
 LATE_SHARE: Final = 0.03
 LATE_RMS: Final = 0.12
 LATE_MEAN: Final = 1.0
-"""Share of the innovations' scatter, and m/s: what may be left of them where the receiver is late."""
+"""Largest remaining share of the innovations' scatter, remaining rms and mean in m/s, where the receiver is late."""
 SUSPECT_SHARE: Final = 0.3
 SUSPECT_RMS: Final = 0.3
 """With less left than this the receiver may be late: it is not believed for any other reason."""
@@ -36,7 +36,7 @@ REMEMBERED: Final = 25
 class Lateness:
     """How well a shift of the fixes explains the innovations.
 
-    share, share_whole: of the scatter, and of the mean square, that is left. rms, mean: what is left, m/s.
+    share, share_whole: of the scatter, and of the mean square, that is left. rms, mean: of the remainder, m/s.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class Lateness:
 
 
 class _WatchedFix:
-    """An innovation, and for each shift what the velocity was more at the shifted instant; m/s."""
+    """An innovation, and the change of velocity to each shifted instant; m/s."""
 
     def __init__(self, innovation: Vec3, shifts: list[Vec3]) -> None:
         self.innovation: Final = innovation
@@ -71,7 +71,7 @@ class _WatchedFix:
 
 
 class Coasting:
-    """What is seen while coasting.
+    """The fixes received while coasting, and their fit to a delay.
 
     usual: size of an innovation before, m/s. shift_s: by which fixes are older than they say.
     """
@@ -97,7 +97,7 @@ class Coasting:
         self.add(record.innovation, shifts)
 
     def add(self, innovation: Vec3, shifts: list[Vec3]) -> None:
-        """Watch an innovation, m/s. shifts: by what the velocity was more at the instant of each shift, m/s."""
+        """Record an innovation, m/s. shifts: change of the velocity to the instant of each shift, m/s."""
         self._fixes.append(_WatchedFix(innovation, shifts))
 
     def is_steady(self, field_fits: bool) -> bool:

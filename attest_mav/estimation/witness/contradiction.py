@@ -71,7 +71,7 @@ def run_again(
 
 
 class Contradiction:
-    """What has been tried since a fix contradicted all lanes. contradicted_ns: when it came, by the sensor's clock."""
+    """Explanations tried since a fix contradicted all lanes. contradicted_ns: time of that fix, sensor's clock."""
 
     def __init__(self, lane: LaneWatch, one: VelocityAided, contradicted_ns: int, shift_s: float) -> None:
         self.contradicted_ns: Final = contradicted_ns

@@ -158,7 +158,7 @@ class LanePair:
         return lane
 
     def excess_of(self, lane: LaneWatch) -> tuple[Vec3, Vec3]:
-        """What this lane reads more than the other, rad/s and m/s^2, by the biases from before the dispute."""
+        """Readings of this lane minus the other's, rad/s and m/s^2, with the biases from before the dispute."""
         dispute, difference = self.dispute, self.recent.difference()
         gyro, accel = difference.gyro, difference.accel
         if dispute is not None:

@@ -33,7 +33,7 @@ class Doubt:
         self._fix_until_ns = now_ns + FIX_DOUBT_NS
 
     def fix_is_explained(self) -> None:
-        """It is known why."""
+        """The contradicting fix is explained: the doubt ends."""
         self._fix_until_ns = -1
 
     def field_contradicts(self, now_ns: int) -> None:

@@ -36,7 +36,7 @@ class FixRecord:
 
 
 def navigation_of(state: FilterState | None) -> Navigation | None:
-    """What a flight filter navigates by; None while it aligns, and for any other filter."""
+    """Navigation state of a flight filter; None while it aligns, and for any other filter."""
     if not isinstance(state, VelocityAidedState) or state.alignment is not None:
         return None
     return state.navigation
@@ -130,7 +130,7 @@ def on_another_sensor(
 ) -> FilterState:
     """The state as another inertial sensor goes on from it, which reads more by these offsets, rad/s and m/s^2.
 
-    bias_variance: of what is left of the gyro's bias, (rad/s)^2.
+    bias_variance: of the remaining gyro bias, (rad/s)^2.
     """
     navigation = navigation_of(state)
     if navigation is None:

@@ -15,7 +15,7 @@ ACCEL_LEAST: Final = 0.25
 
 
 def sensor_text(gyro: Vec3, accel: Vec3) -> str:
-    """What the sensor reads too much: gyro in rad/s, accel in m/s^2."""
+    """The sensor's error in words, from its offsets: gyro in rad/s, accel in m/s^2."""
     if norm(gyro) > GYRO_LEAST:
         return "gyro " + _amount(gyro, degrees(1.0), "degrees per second")
     if norm(accel) > ACCEL_LEAST:

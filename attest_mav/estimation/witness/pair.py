@@ -1,4 +1,4 @@
-"""Two inertial sensors beside each other: what one reads more than the other, and whether that is a dispute."""
+"""Two inertial sensors beside each other: the difference of their readings, and whether that is a dispute."""
 
 from collections import deque
 from math import degrees, hypot, radians, sqrt
@@ -23,7 +23,7 @@ SIGMAS: Final = 1.5
 
 
 class Difference:
-    """What one sensor reads more than another, mean over a time; scatter: of the accelerometers, an axis."""
+    """Readings of one sensor minus another's, mean over a time; scatter: of the accelerometers, an axis."""
 
     def __init__(self, gyro: Vec3, accel: Vec3, gyro_scatter: Vec3, accel_scatter: Vec3, count: int) -> None:
         self.gyro: Final = gyro
@@ -75,7 +75,7 @@ class RunningDifference:
         return len(points) > 1 and points[-1].t_ns - points[0].t_ns > 0.8 * self._span_ns
 
     def difference(self) -> Difference:
-        """What there is."""
+        """The mean difference over the points kept."""
         count = max(1, len(self._points))
         gyro, accel = scale(self._gyro, 1.0 / count), scale(self._accel, 1.0 / count)
         return Difference(
@@ -97,7 +97,7 @@ class Contrast:
     """Two lanes beside each other: their readings without biases, and their attitudes.
 
     gyro: rad/s, accel: m/s^2, the first less the second. tilt, heading: rad, between the attitudes. sensors_differ,
-    attitudes_differ: beyond what is in good order.
+    attitudes_differ: by more than sensors in good order explain.
     """
 
     def __init__(

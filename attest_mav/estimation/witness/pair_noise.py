@@ -15,9 +15,9 @@ from attest_mav.estimation.witness.sensor_noise import SensorNoise
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 
 SPACING_NS: Final = 200_000_000
-"""The noise is looked at so often."""
+"""ns. Interval between updates of the noise."""
 FALL: Final = 0.9
-"""It falls to this share at most each time."""
+"""Smallest factor on the noise in one update."""
 MEAN_S: Final = 2.0
 """Time of the mean difference, s."""
 MEAN_WEIGHT: Final = 2.5

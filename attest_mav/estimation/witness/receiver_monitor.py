@@ -31,7 +31,7 @@ _WORDS: Final = {
 
 
 class ReceiverMonitor:
-    """What becomes of the fixes. Instants are those of the sensor's clock, ns."""
+    """Decides on the use of the fixes. Instants are those of the sensor's clock, ns."""
 
     def __init__(self, doubt: Doubt) -> None:
         self.contradiction: Contradiction | None = None

@@ -1,7 +1,7 @@
 """A vehicle that stands shows its attitude plainly: by gravity and the magnetic field.
 
-A filter whose attitude differs from that has missed a turn (a gap, a saturated sensor, a turn without a fix), and no
-row of its own brings it back soon. It begins again.
+A filter whose attitude differs from that has missed a turn (a gap, a saturated sensor, a turn without a fix), and none
+of its own measurements corrects it soon. The filter is restarted.
 """
 
 from math import hypot, radians

@@ -86,7 +86,7 @@ class ReturnWatch:
         self._lane_residual += RESIDUAL_SHARE * (selected.field.residual - self._lane_residual)
 
     def _answer(self, selected: LaneWatch, lanes: Sequence[LaneWatch], one: VelocityAided) -> Returned | None:
-        """What the challenger shows, and what the lanes make of it."""
+        """The challenger's result, and the return to the receiver that follows from it."""
         challenger, state = self._challenger, selected.state
         if challenger is None or challenger.state is None or state is None:
             return None

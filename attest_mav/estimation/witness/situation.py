@@ -1,4 +1,4 @@
-"""What all lanes are to do with the receiver, and whether the times are good to learn what is usual."""
+"""Use of the receiver on all lanes, and whether usual values may be updated at present."""
 
 from enum import IntEnum
 from typing import Final

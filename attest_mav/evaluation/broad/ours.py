@@ -40,8 +40,8 @@ def with_options(_with_mag: bool) -> GradientDescent:
 
 
 SENSOR: Final = FlightParameters(low_pass_hz=64.0, mag_delay_s=0.01, hard_iron=0.005)
-"""What the flight filter must know of the data set's sensor: that its inertial readings come 3.5 ms late, as behind a
-low-pass of 64 Hz, its magnetometer's 10 ms, and that it is well calibrated."""
+"""Parameters of the flight filter for the data set's sensor: inertial readings 3.5 ms late, as behind a low-pass of
+64 Hz, magnetometer readings 10 ms late, good calibration."""
 
 
 def in_place() -> VelocityAided:

@@ -1,4 +1,4 @@
-"""What the filters' errors are on each trial and in the mean, and whether ours keep their limits."""
+"""The filters' errors on each trial and in the mean, and whether ours keep their limits."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass

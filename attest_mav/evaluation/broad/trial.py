@@ -27,7 +27,7 @@ WIDTHS: Final = {"imu_gyr": 3, "imu_acc": 3, "imu_mag": 3, "opt_quat": 4}
 RATE: Final = "sampling_rate"
 
 DAMAGE: Final = (OSError, RuntimeError, ValueError, TypeError, LookupError, OverflowError, MemoryError, zlib.error)
-"""What the readers raise on files that are damaged, as found by damaging some."""
+"""Exceptions that the readers raise on damaged files, as found by damaging some."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""What is wrong in a flight, and when: the faults of a recorded card, and what is required beside each kind."""
+"""The faults of a recorded flight with their times, read from its card, and the bounds of each kind."""
 
 import json
 from collections.abc import Mapping

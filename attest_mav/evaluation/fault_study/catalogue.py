@@ -21,7 +21,7 @@ class InjectedFault:
     change: Callable[[Sequence[str]], Change]
     group: FaultGroup = FaultGroup.SINGLE
     accused: str = ""
-    """What is wrong with the first inertial stream, in words; "" where no inertial sensor alone is faulty."""
+    """Fault of the first inertial stream, in words; "" where no inertial sensor alone is faulty."""
     duration_s: float = 15.0
     misleads: bool = False
     """The autopilot is misled by the first inertial stream; otherwise it is right throughout."""

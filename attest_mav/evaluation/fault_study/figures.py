@@ -30,7 +30,7 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class FaultFigures:
-    """What came of one fault; degrees and seconds, NaN where there is nothing to tell."""
+    """Figures of one fault; degrees and seconds, NaN where a figure has no samples."""
 
     fault: Fault
     figures: dict[str, float]

@@ -42,7 +42,7 @@ class Track:
 
 @dataclass(frozen=True)
 class FlownFaults:
-    """What came of a flight."""
+    """Attitudes and verdicts of a flight with faults."""
 
     autopilot: Track
     agreement: NDArray[np.int_]

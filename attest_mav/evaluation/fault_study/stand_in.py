@@ -1,4 +1,4 @@
-"""What stands in for the autopilot when faults are put into a flight that it flew without them."""
+"""A substitute for the autopilot's estimator, for faults put into a flight that was recorded without them."""
 
 from bisect import bisect_right
 from collections.abc import Sequence

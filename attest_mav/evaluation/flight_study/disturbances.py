@@ -28,7 +28,7 @@ RATES_HZ: Final = (25.0, 10.0, 5.0, 4.0, 2.0)
 IRON_MILLIGAUSS: Final = (30, 60, 100, 200)
 IRON_S: Final = 60.0
 AFTERMATH_S: Final = 30.0
-"""What an offset has done is followed for so long after it is gone."""
+"""s. The errors are recorded for so long after an offset has ended."""
 
 
 def measure_sensors(

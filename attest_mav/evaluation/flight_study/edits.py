@@ -1,4 +1,4 @@
-"""What is done to a recording before it is flown: every edit is a pure function, samples in, samples out.
+"""Edits of a recording before it is flown: every edit is a pure function, samples in, samples out.
 
 ``imu`` names the inertial message in use. Times are seconds from its first sample, on the sensor's clock; samples
 without a time of their own belong to the last inertial sample before them. Readings are taken for those of an integer
@@ -32,7 +32,7 @@ def clocked(samples: Sequence[Sample], imu: str) -> Iterator[tuple[float, Sample
 
 
 def between(samples: Sequence[Sample], imu: str, *, from_s: float, to_s: float) -> list[Sample]:
-    """What a receiver hears that is switched on at the first time and off at the second: nothing from before."""
+    """The samples that arrive between two times: a listener begins at the first one and knows nothing from before."""
     kept: list[Sample] = []
     for now_s, sample in clocked(samples, imu):
         lead_s = TRUTH_LEAD_S if isinstance(sample, AttitudeSample) else 0.0
@@ -93,7 +93,7 @@ def _with_field(sample: Sample, gauss: float) -> Sample:
 
 
 def truncated(value: float, unit: float) -> float:
-    """What an integer message carries of a value: whole units, cut off toward zero."""
+    """The value as an integer message carries it: whole units, cut off toward zero."""
     return trunc(value / unit) * unit
 
 

@@ -1,4 +1,4 @@
-"""What a recorded flight did, by its truth: where it turned, and when it flew."""
+"""Turns and airborne times of a recorded flight, by its true attitude and velocity."""
 
 from collections.abc import Iterator
 from math import acos, degrees, hypot

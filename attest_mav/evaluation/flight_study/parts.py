@@ -33,7 +33,7 @@ CERTAIN_DEG: Final = 1.0
 
 @dataclass(frozen=True)
 class Study:
-    """What to study, and how much of it.
+    """The logs and parts of a study.
 
     name: of the log without its folder and ending. airspeed: outages leave it. each: every start and
     outage has a line of its own too. peers: others in the main table.

@@ -180,7 +180,7 @@ class _Receiver:
 
 
 def _sent(reading: Vec3, error: Vec3, unit: float) -> Vec3:
-    """What the message carries of a reading with an error."""
+    """The reading with an error added, as the message carries it."""
     return (
         truncated(restored(reading[0], unit) + error[0], unit),
         truncated(restored(reading[1], unit) + error[1], unit),

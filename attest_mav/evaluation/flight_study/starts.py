@@ -65,7 +65,7 @@ def _start_all(
 
 
 def start_of(at_s: float, errors: Errors) -> Start:
-    """What a flight that began there shows."""
+    """Time to an attitude, and its errors, of a flight that began there."""
     compared = errors.where(np.isfinite(errors.tilt))
     if not len(compared.t_s):
         return Start(at_s, inf, nan, nan, nan)

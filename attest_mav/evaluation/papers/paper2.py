@@ -28,7 +28,7 @@ from attest_mav.evaluation.papers.rotation_stand import (
 )
 
 LIMIT_DEG: Final = 0.2
-"""What the paper claims for every axis."""
+"""Largest error that the paper claims for every axis, degrees."""
 
 
 @dataclass(frozen=True)

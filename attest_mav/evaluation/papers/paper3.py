@@ -38,10 +38,10 @@ PAPER: Final = Leveling(
     p0_down=1.0,
     gravity=GRAVITY,
 )
-"""What reproduces the paper's figures on the winding course."""
+"""Parameters that reproduce the paper's figures on the winding course."""
 LOOSE_LENGTH: Final = replace(PAPER, r_length_start=0.7, r_length=0.7)
 PAPER_STANDING: Final = replace(PAPER, q_down=1e-9, r_length_start=1e-3, r_length=1e-3, spacing_s=0.0)
-"""What reproduces its figures at rest."""
+"""Parameters that reproduce its figures at rest."""
 NO_SIDESLIP: Final = replace(LOOSE_LENGTH, r_sideslip=0.09)
 NAVIGATION: Final = replace(NO_SIDESLIP, r_length=0.1, p0_down=0.05)
 """Recommended for navigation-grade sensors."""

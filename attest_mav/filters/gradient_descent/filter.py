@@ -4,8 +4,9 @@ The gyro is integrated; each step also moves the quaternion at a fixed rate ``be
 between the gravity and field directions that the attitude predicts and those that were measured. Equation numbers
 are the paper's; docs/filters/gradient-descent.md corrects its misprints.
 
-The filter takes the accelerometer for gravity. It is at home at rest and under brief disturbances; in a sustained
-turn it leans with the vehicle. Four options, none of them the paper's, help it in a hand: see ``GradientDescent``.
+The filter takes the accelerometer for gravity. Its attitude is good at rest and under brief disturbances; in a
+sustained turn its attitude leans with the vehicle. Four options, none of them the paper's, are for hand-held motion:
+see ``GradientDescent``.
 """
 
 from dataclasses import dataclass
@@ -45,8 +46,8 @@ class GradientDescent(AttitudeFilter):
     """rad/s. Speed of the correction as a quaternion rate; an angle moves at 2 beta. Too small and the gyro's bias wins
     (2 beta must exceed it with margin); too large and sensor noise and every acceleration come through."""
     full_fusion: bool = False
-    """Whether the complete form (26)-(30) runs. It slows gyro and correction alike when the vehicle turns slowly, and
-    is here to study the paper, not to fly."""
+    """Whether the complete form (26)-(30) runs. That form slows gyro and correction alike when the vehicle turns
+    slowly; use it for study of the paper, not for flight."""
     alpha: float = 100.0
     """1. Step ratio of the complete form, above 1; an infinite one gives (31)."""
     exponential: bool = True

@@ -1,11 +1,11 @@
 """Leveling extended Kalman filter: roll and pitch of a vehicle that moves, from its speed (paper 3).
 
-The velocity tells gravity from acceleration: the filter integrates the accelerometer and compares with a
-measured forward speed, or with zero when the vehicle stands. It therefore levels in turns, where a filter that takes
-the accelerometer for gravity leans with the vehicle, and it finds the level from any start, in motion too. It
-assumes a vehicle that goes where it points; one that moves sideways must say how fast (``BodyVelocity.side``).
+The velocity tells gravity from acceleration: the filter integrates the accelerometer and compares the result with a
+measured forward speed, or with zero when the vehicle stands. The filter therefore levels in turns, where one that
+takes the accelerometer for gravity leans with the vehicle, and from any start, in motion too. A vehicle is assumed to
+move along its nose; for one that moves sideways the inputs must give that speed (``BodyVelocity.side``).
 
-The heading is carried beside it, as the north direction in the body: turned with the gyro, drawn to the magnetometer.
+The heading is kept as the north direction in the body: the gyro turns this vector, the magnetometer corrects it.
 docs/filters/leveling.md has the equations as mended.
 """
 
@@ -77,8 +77,8 @@ class Leveling(AttitudeFilter):
     r_stationary: float = 1e-4
     """(m/s)^2. Variance of the velocity of a standing vehicle."""
     r_unaided: float = 1e3
-    """(m/s)^2. Variance about the last velocity of a vehicle whose speed nobody tells: large, since many measurements
-    see the same motion; infinite: nothing is assumed."""
+    """(m/s)^2. Variance about the last velocity of a vehicle without a speed: large, since many measurements see the
+    same motion; infinite: no constraint."""
     r_length_start: float = 0.7
     """1. Variance of the squared length of the down vector before the level is found."""
     r_length: float = 0.1

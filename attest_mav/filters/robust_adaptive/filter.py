@@ -58,7 +58,7 @@ class RobustAdaptive(AttitudeFilter):
 
     printed: bool = False
     """Whether the algorithm runs as the paper prints it: inflation without rejection, the adaptive factor (28) from one
-    sample, a heading measurement that turns about all axes. It is here to study the paper, not to fly."""
+    sample, a heading measurement that turns about all axes. This form is for study of the paper, not for flight."""
     robust: bool = True
     """False sets all inflations to 1."""
     adaptive: bool = True

@@ -85,7 +85,7 @@ def cross_covariance(p: Covariance, h: Measurement) -> CrossCovariance:
 def updated(p: Covariance, g: CrossCovariance, k: float) -> Covariance:
     """P - (P h)(P h)^T k, with k = 1 / (h^T P h + r): the covariance after a measurement of variance r.
 
-    The Joseph form has the same value for the optimal gain, at twice the cost. It is worth that where rounding can make
+    The Joseph form has the same value for the optimal gain, at twice the cost, and pays where rounding can make
     a variance negative: with measurements far more accurate than the state, or a gain that is not the optimal one. Here
     the smallest measurement variances (0.05 m/s, half a per cent of the field) are of the size of the state's own, a
     consider update uses the full gain for the covariance too, every step adds process noise and makes the diagonal

@@ -186,8 +186,8 @@ def consider_update(
 ) -> NavigationState:
     """The state after a measurement that considers the sensor errors instead of estimating them (Schmidt-Kalman).
 
-    Gyro bias is estimated all the same. It serves pseudo-measurements, whose error lasts and would be explained by the
-    sensors, and every measurement during a long rest, which carries no new information about them.
+    Gyro bias is estimated all the same. The update serves pseudo-measurements, whose error lasts and would be explained
+    by the sensors, and every measurement during a long rest, which carries no new information about them.
     """
     k = 1.0 / (cross_cov.state_variance + variance)
     covariance = consider_updated(nav.covariance, cross_cov, k)
@@ -212,7 +212,7 @@ DEADBAND_ACCEL: Final = 0.5
 def deadband(v: Vec3, least: float) -> Vec3:
     """v, or zero where it is shorter than ``least``.
 
-    Below this magnitude the factor is noise. It must not enter a Jacobian, or during hours at rest scale factor and
+    Below this magnitude the factor is noise, which must not enter a Jacobian, or during hours at rest scale factor and
     delay would be "estimated" from noise.
     """
     return v if dot(v, v) > least * least else (0.0, 0.0, 0.0)

@@ -1,4 +1,4 @@
-"""What one step of the flight filter hands to the next, once it is aligned."""
+"""State of the aligned flight filter between two steps."""
 
 from enum import IntEnum
 from math import isfinite

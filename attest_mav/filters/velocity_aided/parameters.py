@@ -62,8 +62,8 @@ class FlightParameters:
     """m/s^2 per root s. Drift of the accelerometer's bias."""
     gyro_aliasing: float = 0.22
     """1. Share of the gyro's second difference that may have been missed between two samples far apart; the low-pass
-    takes its part from samples that are near (``aliased_share``). It keeps sigma true at 4 Hz; too small and a fast
-    manoeuvre between samples goes unnoticed."""
+    takes its part from samples that are near (``aliased_share``). This noise keeps sigma true at 4 Hz; too small and a
+    fast manoeuvre between samples goes unnoticed."""
     accel_aliasing: float = 0.1
     """1. The same for the accelerometer, axis by axis, whatever the low-pass: vibration has an axis."""
     aliasing_hold_s: float = 2.0

@@ -2,9 +2,9 @@
 
 A record is eight bytes, microseconds since 1970 as a big-endian number, and a frame. The frames are found by the rules
 of ``attest_mav.mavlink.wire.walker``. A time that steps back by more than a second, or forward by more than ten, may be
-damaged. It is believed when the next record's time goes on from it; otherwise the frame gets the time of the one
-before. So a true step (the recorder's clock was set, two logs in one file) costs nothing, and a damaged time moves no
-other frame.
+damaged. Such a time is accepted when the next record's time goes on from it; otherwise the frame gets the time of the
+one before. So a true step (the recorder's clock was set, two logs in one file) costs nothing, and a damaged time moves
+no other frame.
 
 A bare stream has no times. A frame of it gets the newest time since boot that its system has sent, so that everything
 that compares arrivals goes by the sensor's clock.

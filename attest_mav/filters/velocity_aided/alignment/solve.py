@@ -73,7 +73,7 @@ class InitialState:
         self.velocity_sigma: Final = velocity_sigma
         """1-sigma of each component, m/s."""
         self.method: Final = method
-        """What it was made of."""
+        """The measurements that the attitude was solved from."""
 
 
 def solve_alignment(
