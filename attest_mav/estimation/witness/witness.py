@@ -226,9 +226,9 @@ class Witness:
         receiver = self._receiver
         calm = receiver.contradiction is None and all(pair.dispute is None for pair in self._pairs)
         for lane in self._lanes.values():
-            known = lane.situation
-            if (known.calm, known.receiver_used, known.fix_shift_s) != (calm, receiver.is_used, receiver.shift_s):
-                lane.situation = Situation(calm, receiver.is_used, receiver.shift_s)
+            known, used = lane.situation, receiver.is_used
+            if known.calm != calm or known.receiver_used != used or known.fix_shift_s != receiver.shift_s:
+                lane.situation = Situation(calm, used, receiver.shift_s)
 
 
 def _event(lane: LaneWatch, moment: Moment, kind: LaneEventKind, text: str) -> LaneEvent:
