@@ -10,7 +10,7 @@ docs/filters/leveling.md has the equations as mended.
 """
 
 from dataclasses import dataclass
-from math import ceil, isinf, isnan, nan, pi
+from math import ceil, isnan, nan, pi
 from typing import Final, cast
 
 from attest_mav.algebra import (
@@ -26,7 +26,6 @@ from attest_mav.algebra import (
 from attest_mav.filters.base import (
     MAX_CORRECTION_DT_S,
     AttitudeFilter,
-    BodyVelocity,
     FilterInputs,
     FilterState,
     Start,
@@ -43,8 +42,8 @@ from attest_mav.filters.leveling.north import (
     turned_east,
 )
 from attest_mav.filters.leveling.state import LengthFusion, LevelingState, VelocityFusion, VelocityModel, unchanged
-from attest_mav.filters.leveling.update import constrain_length, fuse_velocity, lateral_velocity
-from attest_mav.innovation import Aid, Fusion
+from attest_mav.filters.leveling.update import constrain_length, fuse_speed, hold_velocity, lateral_velocity
+from attest_mav.innovation import Fusion
 from attest_mav.matrices import axes_turn, diagonal, largest_variance
 from attest_mav.plausible import MAX_SPEED, is_force, is_heading, is_rate
 from attest_mav.samples import ImuSample
@@ -179,15 +178,15 @@ class Leveling(AttitudeFilter):
         if inputs.stationary:
             if not before.stationary:
                 x = self._with_restarted_velocity(x, (0.0, 0.0, 0.0))
-            return self._hold_velocity(x, VelocityModel(True, False, (0.0, 0.0, 0.0)), self.r_stationary, due)
+            return hold_velocity(x, VelocityModel(True, False, (0.0, 0.0, 0.0)), self.r_stationary, due)
         velocity = inputs.body_velocity
         if velocity is None or not abs(velocity.forward) < MAX_SPEED:
-            return self._hold_velocity(x, VelocityModel(False, False, before.velocity), self.r_unaided, due)
+            return hold_velocity(x, VelocityModel(False, False, before.velocity), self.r_unaided, due)
         if not velocity.is_new:
             return (x, VelocityModel(False, before.moving, before.velocity), None)
         if not before.moving:
             x = self._with_restarted_velocity(x, (velocity.forward, *lateral_velocity(velocity)))
-        x, fusion = self._fuse_speed(x, velocity)
+        x, fusion = fuse_speed(x, velocity, self.r_speed, self.r_sideslip)
         return (x, VelocityModel(False, True, x.velocity), fusion)
 
     def _with_restarted_velocity(self, x: LevelState, velocity: Vec3) -> LevelState:
@@ -197,30 +196,6 @@ class Leveling(AttitudeFilter):
         must not be levered into the attitude when the model changes.
         """
         return LevelState(velocity, x.down, diagonal(self.p0_velocity), diagonal(0.0), x.p_dd)
-
-    def _hold_velocity(
-        self, x: LevelState, model: VelocityModel, variance: float, due: bool
-    ) -> tuple[LevelState, VelocityModel, VelocityFusion | None]:
-        """The measurements of the stationary model, eq. (32), or, with a large variance, of one without a speed."""
-        if not due or isinf(variance):
-            return (x, model, None)
-        x, z_x, s_x = fuse_velocity(x, 0, model.velocity[0], variance)
-        x, z_y, s_y = fuse_velocity(x, 1, model.velocity[1], variance)
-        x, z_z, s_z = fuse_velocity(x, 2, model.velocity[2], variance)
-        aid = Aid.ZERO_VELOCITY if model.stationary else Aid.CONSTANT_VELOCITY
-        return (x, model, VelocityFusion(aid, model.velocity, (z_x, z_y, z_z), (s_x, s_y, s_z)))
-
-    def _fuse_speed(self, x: LevelState, velocity: BodyVelocity) -> tuple[LevelState, VelocityFusion]:
-        """The measurements of the moving model, eq. (29), with those for a vehicle that goes where it points."""
-        z_y, z_z, s_y, s_z = nan, nan, nan, nan
-        x, z_x, s_x = fuse_velocity(x, 0, velocity.forward, self.r_speed)
-        if velocity.lateral_known and not isinf(self.r_sideslip):
-            if abs(velocity.side) < MAX_SPEED:
-                x, z_y, s_y = fuse_velocity(x, 1, velocity.side, self.r_sideslip)
-            if abs(velocity.down) < MAX_SPEED:
-                x, z_z, s_z = fuse_velocity(x, 2, velocity.down, self.r_sideslip)
-        observation = (velocity.forward, velocity.side, velocity.down)
-        return (x, VelocityFusion(Aid.SPEED, observation, (z_x, z_y, z_z), (s_x, s_y, s_z)))
 
     def _follow_field(
         self,
