@@ -30,7 +30,9 @@ from attest_mav.types import Mat3, Vec3
 OTHER_AXES: Final = 0.6
 """Share of the accelerometer's whole second difference that each of its axes may have missed at least."""
 SATURATED_RATE: Final = 1.0
-"""rad/s: the second difference that a saturated gyro may hide."""
+"""rad/s: the second difference that a saturated sensor may hide."""
+FAST_TURN: Final = 8.0
+"""rad/s: a saturated gyro that reads more may hide as much as it reads."""
 SATURATED_ACCEL: Final = 20.0
 """m/s^2: the same for the accelerometer, and for one that cannot be read."""
 LOST_HEADING: Final = 0.4
@@ -70,7 +72,7 @@ class ImuMemory:
         self.specific_force: Final = specific_force
         """The last specific force without bias, NED, m/s^2."""
         self.gyro_aliasing: Final = gyro_aliasing
-        """Largest second difference of the gyro of late, rad/s, decaying."""
+        """Largest second difference of the gyro of late that its low-pass lets hide, rad/s, decaying."""
         self.accel_aliasing: Final = accel_aliasing
         """Largest second difference of the accelerometer of late in each axis of the body, m/s^2, decaying."""
         self.history: Final = history
@@ -123,7 +125,7 @@ def predict(
     gravity_dt = parameters.gravity * dt_s
     velocity = add(nav.velocity, (delta_velocity[0], delta_velocity[1], delta_velocity[2] + gravity_dt))
     rotation_dt: Mat3 = mat_scale(mat_add(before, after), 0.5 * dt_s)
-    memory_after = _remember(memory, reading, three_point, dt_s, parameters.aliasing_hold_s, specific_force,
+    memory_after = _remember(memory, reading, three_point, dt_s, parameters, specific_force,
                              appended(memory.history, t_ns, delta_velocity))  # fmt: skip
     heading_noise = _nonlinear_heading_noise(delta_velocity, nav.heading_sigma, dt_s) if has_north else 0.0
     noise = _process_noise(norm(rate), memory_after, heading_noise, rotation_dt, dt_s, parameters)
@@ -138,13 +140,17 @@ def _remember(
     reading: Reading,
     three_point: "ThreePoint",
     dt_s: float,
-    hold_s: float,
+    parameters: FlightParameters,
     specific_force: Vec3,
     history: DeltaVelocityHistory,
 ) -> ImuMemory:
-    """The memory after a step. hold_s: time constant with which the largest second differences decay."""
-    fade = exp(-dt_s / hold_s)
-    gyro_now = SATURATED_RATE if reading.saturated else three_point.gyro_second_difference
+    """The memory after a step."""
+    fade = exp(-dt_s / parameters.aliasing_hold_s)
+    share = aliased_share(parameters.low_pass_hz, dt_s)
+    gyro_now = share * three_point.gyro_second_difference
+    if reading.saturated:
+        rate = norm(reading.gyro)
+        gyro_now = rate if rate > FAST_TURN else SATURATED_RATE
     unseen = SATURATED_ACCEL if reading.saturated else 0.0
     x, y, z = three_point.accel_second_difference
     held_x, held_y, held_z = before.accel_aliasing
@@ -224,7 +230,7 @@ def _process_noise(
     unseen = (share * max(x * x, least), share * max(y * y, least), share * max(z * z, least))
     return ProcessNoise(
         (parameters.gyro_noise + parameters.gyro_rate_noise * rate) ** 2 * dt_s
-        + (parameters.gyro_aliasing * aliased_share(parameters.low_pass_hz, dt_s) * memory.gyro_aliasing * dt_s) ** 2,
+        + (parameters.gyro_aliasing * memory.gyro_aliasing * dt_s) ** 2,
         add_diagonal(rotated_diagonal(rotation_dt, unseen), parameters.accel_noise**2 * dt_s + heading_noise),
         parameters.gyro_bias_walk**2 * dt_s,
         parameters.accel_bias_walk**2 * dt_s if parameters.accel_bias_sigma > 0.0 else 0.0,

@@ -20,6 +20,8 @@ COPTER = {
     "AHRS2": 3096,
     "LOCAL_POSITION_NED": 2726,
     "SYSTEM_TIME": 621,
+    "EKF_STATUS_REPORT": 1553,
+    "SYS_STATUS": 621,
 }
 """Messages by type, counted once with pymavlink 2.4.50. GPS_RAW_INT apart: without a fix it gives no samples."""
 
