@@ -12,10 +12,11 @@ from attest_mav.mavlink.decode.autopilot_parameters import facts_of_firmware
 from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.dialect import load_dialect
 from attest_mav.mavlink.wire.framer import Framer
+from attest_mav.samples import AttitudeSample
 from attest_mav.sim.autopilot import FakeAutopilot
 from attest_mav.sim.fault_text import parse_faults
 from attest_mav.sim.settings import SimSettings
-from attest_mav.types import EarthField
+from attest_mav.types import AttitudeRole, EarthField
 
 SOURCES = {"ardupilot": "RAW_IMU", "px4": "HIGHRES_IMU"}
 
@@ -27,6 +28,7 @@ class Flight:
     vehicle: FakeAutopilot
     boot_ns: int = 0
     estimates: list[Estimate] = field(default_factory=list)
+    published: list[Estimate] = field(default_factory=list)
     lane_events: list[LaneEvent] = field(default_factory=list)
     verdicts: list[Verdict] = field(default_factory=list)
 
@@ -43,6 +45,11 @@ class Flight:
                 tilt, heading = tilt_between(estimate.q_nb, truth), heading_between(estimate.q_nb, truth)
                 found.append((degrees(tilt), abs(degrees(heading))))
         return found
+
+    def worst_published(self, from_s=0.0, to_s=inf):
+        """The largest tilt error of those estimates that were fit to be published, degrees."""
+        chosen = [one for one in self.published if from_s <= one.rx_ns * 1e-9 < to_s]
+        return max(degrees(tilt_between(one.q_nb, self.vehicle.truth(one.t_ns).q_nb)) for one in chosen)
 
     def worst(self, from_s=0.0, to_s=inf):
         """The largest tilt and heading error, degrees."""
@@ -64,11 +71,22 @@ class Flight:
         return min((v.rx_ns * 1e-9 for v in self.verdicts if v.agreement is Agreement.DISAGREE), default=inf)
 
 
-def fly(until_s, filter_name="gradient-descent", faults=(), **choices):
-    """One flight: advance to whichever deadline is next, the vehicle's or the pipeline's."""
+def corrected(vehicle, sample):
+    """The sample; an attitude of the autopilot's is the truth instead."""
+    if isinstance(sample, AttitudeSample) and sample.role == AttitudeRole.AUTOPILOT:
+        return sample.with_attitude(vehicle.truth(sample.t_ns).q_nb, frame_known=True)
+    return sample
+
+
+def fly(until_s, filter_name="gradient-descent", faults=(), *, right=False, armed=False, **choices):
+    """One flight: advance to whichever deadline is next, the vehicle's or the pipeline's.
+
+    right: the autopilot's attitudes are the truth, whatever misleads it. armed: a vehicle that stands is armed too.
+    """
     settings = SimSettings(**({"fast_rate_hz": 50.0} | choices), faults=parse_faults(faults))
     dialect = load_dialect()
     vehicle = FakeAutopilot(settings, 1, dialect)
+    vehicle.trajectory.flies = vehicle.trajectory.flies or armed
     decoder = Decoder(dialect)
     framer = Framer(dialect, decoder.wanted)
     pipeline = Pipeline(PipelineSettings(), default_filter(filter_name), [SOURCES[settings.personality]])
@@ -81,9 +99,11 @@ def fly(until_s, filter_name="gradient-descent", faults=(), **choices):
         events = []
         for frame in framer.feed(b"".join(vehicle.frames_until(now_ns)), now_ns):
             for sample in decoder.decode(frame):
-                events += pipeline.handle(sample)
+                events += pipeline.handle(corrected(vehicle, sample) if right else sample)
         events += pipeline.poll(now_ns)
-        flight.estimates += [e for e in events if isinstance(e, Estimate)]
+        made = [e for e in events if isinstance(e, Estimate)]
+        flight.estimates += made
+        flight.published += made if pipeline.publishes else []
         flight.lane_events += [e for e in events if isinstance(e, LaneEvent)]
         flight.verdicts += [e for e in events if isinstance(e, Verdict)]
     assert framer.bad_bytes == 0
