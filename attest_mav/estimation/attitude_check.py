@@ -17,6 +17,8 @@ from attest_mav.types import AttitudeForm, AttitudeRole
 
 STALE_INTERVALS: Final = 2.5
 """A stream has stopped when nothing has come for longer than this many of its own intervals."""
+UNKNOWN_FRAME: Final = "unknown-frame"
+"""The reason while attitudes come, and none in a frame that is known."""
 COMPARABLE: Final = 2.0
 """A quaternion that comes at up to this many times the Euler angles' interval is preferred to them."""
 
@@ -38,6 +40,7 @@ class AttitudeCheck:
         self.verdict: Verdict | None = None
         self._settings: Final = settings
         self._sources: Final[dict[str, _Source]] = {}
+        self._refused_ns = -1
 
     def take(self, sample: AttitudeSample) -> list[Verdict]:
         """Judge an attitude that the autopilot flies by; others tell nothing."""
@@ -46,6 +49,17 @@ class AttitudeCheck:
         source = self._sources.setdefault(sample.source, _Source(sample.form))
         source.rx_ns = sample.rx_ns
         return self._chosen(self.judge.judge(sample))
+
+    def refuse(self, sample: AttitudeSample) -> list[Verdict]:
+        """Take an attitude whose frame is not known; the verdict that follows once no other one comes."""
+        now_ns = sample.rx_ns
+        if sample.role != AttitudeRole.AUTOPILOT:
+            return []
+        self._refused_ns = now_ns
+        said = self.verdict is not None and self.verdict.reason == UNKNOWN_FRAME
+        if said or any(self._is_live(name, now_ns) for name in self._sources):
+            return []
+        return [self.undecided(UNKNOWN_FRAME, now_ns)]
 
     def take_estimate(
         self, estimate: Estimate, members: Sequence[Member] = (), *, doubts: bool = False
@@ -65,14 +79,16 @@ class AttitudeCheck:
             return []
         verdict = self.undecided("no-reference", now_ns)
         self._sources.clear()
+        self._refused_ns = -1
         return [verdict]
 
     @property
     def deadline_ns(self) -> int | None:
         """When the attitudes have stopped if none comes, host clock; None while none has come."""
-        if not self._sources:
-            return None
-        return max(source.rx_ns + self._stale_ns(name) for name, source in self._sources.items())
+        deadlines = [source.rx_ns + self._stale_ns(name) for name, source in self._sources.items()]
+        if self._refused_ns >= 0:
+            deadlines.append(self._refused_ns + int(1e9 * self._settings.stale_s))
+        return max(deadlines, default=None)
 
     def _chosen(self, verdicts: list[Verdict]) -> list[Verdict]:
         """Those of the verdicts that become the verdict."""

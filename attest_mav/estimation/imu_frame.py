@@ -4,6 +4,7 @@ The rules stand in ``body_frames``; the trims, the firmware's version and the es
 words (``Vehicle``), and each counts from the first attitude after it.
 """
 
+from enum import Enum
 from math import degrees, radians
 from typing import Final
 
@@ -54,12 +55,21 @@ class _Removed:
         return " and ".join(parts)
 
 
+class Refusal(Enum):
+    """Why an attitude cannot be turned into the frame of the IMU."""
+
+    NO_RULE = "no rule tells how this firmware trims it"
+    SECONDARY = "firmware before 4.1 fills it from its secondary estimator"
+    VIEW = "it may show the view of the hover, which the flight mode alone does not tell"
+    STEEP = "its pitch is too near 90 degrees for a difference of Euler angles"
+
+
 class ImuFrame:
     """Turns attitudes into the frame of the IMU. ``vehicle``: tells its trims, now and later."""
 
     def __init__(self, vehicle: Vehicle) -> None:
         self._removed: Final[dict[str, list[_Removed]]] = {}
-        self._obstacles: Final[dict[str, str]] = {}
+        self._refusals: Final[dict[str, Refusal]] = {}
         self._vehicle: Final = vehicle
         self._fit: Final = TrimFormFit()
         self._trims = Trims(vehicle.settings)
@@ -83,7 +93,11 @@ class ImuFrame:
         return taken + self._obstacle_notes()
 
     def _obstacle_notes(self) -> list[str]:
-        return [f"{source} is not compared: {reason}" for source, reason in self._obstacles.items() if reason]
+        return [f"{source} is not compared: {refusal.value}" for source, refusal in self._refusals.items()]
+
+    def refusal(self, source: str) -> Refusal | None:
+        """Why the newest attitude of a message was not turned; None for one that was."""
+        return self._refusals.get(source)
 
     def attitude(self, sample: AttitudeSample) -> AttitudeSample | None:
         """The sample with the attitude of the IMU, None where that cannot be known.
@@ -97,15 +111,15 @@ class ImuFrame:
             self._trims = Trims(vehicle.settings)
         rules = self._rules(sample)
         if not rules:
-            self._refuse(sample, "no rule tells how this firmware trims it")
+            self._refusals[sample.source] = Refusal.NO_RULE
             return None
         rule = self._chosen(rules, sample)
         if rule.secondary and sample.role == AttitudeRole.AUTOPILOT:
-            self._refuse(sample, "firmware before 4.1 fills it from its secondary estimator")
+            self._refusals[sample.source] = Refusal.SECONDARY
             return None
         view = hover_view(vehicle) if rule.hover_view else HoverView.NO
         if view == HoverView.UNKNOWN:
-            self._refuse(sample, "it may show the view of the hover, which the flight mode alone does not tell")
+            self._refusals[sample.source] = Refusal.VIEW
             return None
         return self._turned(sample, rule, view)
 
@@ -140,7 +154,7 @@ class ImuFrame:
         sent = q_to_euler(sample.q_nb) if sample.euler is None else sample.euler
         euler = (sent[0], sent[1] + pitch, sent[2])
         if rule.trim == TrimForm.EULER and trim != none and abs(euler[1] + trim[1]) > STEEPEST:
-            self._refuse(sample, "its pitch is too near 90 degrees for a difference of Euler angles")
+            self._refusals[sample.source] = Refusal.STEEP
             return None
         q_nb = sample.q_nb if pitch == 0.0 else q_from_euler(euler[0], euler[1], euler[2])
         if trim != none:
@@ -160,8 +174,5 @@ class ImuFrame:
         if not past or past[-1].differs(removed):
             past.append(removed)
             del past[:-MAX_PAST]
-        self._obstacles[sample.source] = ""
+        self._refusals.pop(sample.source, None)
         return sample.with_attitude(q_nb, is_told)
-
-    def _refuse(self, sample: AttitudeSample, reason: str) -> None:
-        self._obstacles[sample.source] = reason

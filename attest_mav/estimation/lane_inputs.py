@@ -15,6 +15,10 @@ LEAVING_FACTOR: Final = 2.0
 """The quiet time is over at the first reading beyond so many times the limits."""
 STILL_AFTER_S: Final = 1.0
 """The sensors count as quiet after this time, s."""
+FROZEN_REPEATS: Final = 4
+"""A moving receiver does not repeat a velocity so often."""
+FROZEN_NS: Final = 1_000_000_000
+"""Nor for so long."""
 
 
 class QuietSensors:
@@ -34,12 +38,37 @@ class QuietSensors:
             self.quiet = False
 
 
+class RepeatedVelocity:
+    """Notices a receiver that gives one velocity with new times, as one does whose computer hangs."""
+
+    def __init__(self) -> None:
+        self._first: VelocitySample | None = None
+        self._newest_ns = 0
+        self._repeats = 0
+
+    def is_frozen(self, velocity: VelocitySample) -> bool:
+        """True from the fifth fix with the same velocity on, if they span a second. A zero is what one at rest gives.
+
+        velocity: the newest fix, which may be given again.
+        """
+        first = self._first
+        if first is None or velocity.v_ned != first.v_ned or velocity.t_ns < self._newest_ns:
+            self._first, self._newest_ns, self._repeats = velocity, velocity.t_ns, 0
+            return False
+        if velocity.t_ns > self._newest_ns:
+            self._newest_ns = velocity.t_ns
+            self._repeats += 1
+        lasts_ns = self._newest_ns - first.t_ns
+        return self._repeats >= FROZEN_REPEATS and lasts_ns >= FROZEN_NS and norm(velocity.v_ned) > 0.0
+
+
 class LaneInputs:
     """Inputs of a lane's filter from the vehicle and the lane's own readings, marked where new to the filter."""
 
     def __init__(self, vehicle: Vehicle) -> None:
         self._vehicle: Final = vehicle
         self._sensors: Final = QuietSensors()
+        self._repeated: Final = RepeatedVelocity()
         self._speed_given: Sample | None = None
 
     def advance(self, sample: ImuSample, dt_s: float) -> None:
@@ -84,9 +113,15 @@ class LaneInputs:
     def _velocity(self, now_ns: int) -> VelocitySample | None:
         """The velocity for the flight filter. One that moves is withheld from a vehicle that stands on the ground.
 
-        Gyro, accelerometer and the vehicle's own word together are better evidence than a receiver indoors.
+        Gyro, accelerometer and the vehicle's own word together are better evidence than a receiver indoors. A velocity
+        that is repeated to the last digit is withheld as soon as the sensors show motion.
         """
         velocity = self._vehicle.velocity(now_ns)
-        if velocity is None or not (self._sensors.quiet and self._vehicle.on_ground):
+        if velocity is None:
+            return None
+        frozen = self._repeated.is_frozen(velocity)
+        if not self._sensors.quiet:
+            return None if frozen else velocity
+        if not self._vehicle.on_ground:
             return velocity
         return None if norm(velocity.v_ned) > STANDING_SPEED else velocity

@@ -125,7 +125,9 @@ class Pipeline:
             if sample.role != AttitudeRole.AUTOPILOT:
                 return []
             in_imu_frame = self.imu_frame.attitude(sample)
-            return [] if in_imu_frame is None else [*self.compare(in_imu_frame)]
+            if in_imu_frame is None:
+                return [*self._check.refuse(sample)]
+            return [*self.compare(in_imu_frame)]
         before = self.vehicle.settings
         self.vehicle.take(sample)
         if isinstance(sample, ParameterSample):

@@ -37,6 +37,7 @@ REASONS: Final = (
     "low-rate",
     "no-estimate",
     "no-reference",
+    "unknown-frame",
 )
 """The codes of ``Verdict.reason``. settling: a difference has not lasted long enough to count, or an offset is being
 measured. disputed: our own attitudes differ on it. doubted: all of ours were contradicted just now. offset: a steady
@@ -48,6 +49,8 @@ HEADING_SIGMAS: Final = 3.0
 """A difference must exceed this many of our sigmas. Heading errors last longer than tilt errors."""
 SLOW_S: Final = 0.1
 """Inertial samples further apart hide motion: a lack of confidence is then put down to the rate."""
+SLOW_TILT_SIGMAS: Final = 3.0
+"""The same for the tilt beside such samples, where its error too lasts longer than a verdict takes."""
 
 
 @dataclass(frozen=True)
@@ -213,7 +216,8 @@ class Judge:
         threshold = self._settings.proven_tilt if estimate.sigma_is_proven else self._settings.tilt
         tilt = tilt_between(ours, theirs)
         heading = heading_between(theirs, ours) if estimate.north == North.TRUE else nan
-        tilt_off = tilt > share * _limit(threshold, TILT_SIGMAS * member.tilt_sigma, carried.slack)
+        tilt_sigmas = SLOW_TILT_SIGMAS if estimate.dt_s > SLOW_S else TILT_SIGMAS
+        tilt_off = tilt > share * _limit(threshold, tilt_sigmas * member.tilt_sigma, carried.slack)
         heading_off = abs(heading) > share * _limit(
             2.0 * threshold, HEADING_SIGMAS * member.heading_sigma, carried.slack
         )

@@ -25,7 +25,7 @@ from attest_mav.sim.lanes import Lanes
 from attest_mav.sim.messages import Messages
 from attest_mav.sim.motion import Motion
 from attest_mav.sim.parameters import ParameterTable
-from attest_mav.sim.personality import personality_of
+from attest_mav.sim.personality import fitted, personality_of
 from attest_mav.sim.report import AttitudeReport
 from attest_mav.sim.scenarios import make_trajectory
 from attest_mav.sim.sensors import SensorSuite
@@ -48,8 +48,9 @@ class FakeAutopilot:
 
     def __init__(self, settings: SimSettings, seed: int, dialect: Dialect | None = None) -> None:
         self.settings = settings
-        self.personality = personality_of(settings.personality)
         self.trajectory = make_trajectory(settings.scenario, seed)
+        firmware = personality_of(settings.personality)
+        self.personality = fitted(firmware, self.trajectory.vehicle_type, settings.low_pass_hz)
         self.loop_hz = self._checked_loop_rate()
         self.oversample = -(-SENSOR_RATE_HZ // self.loop_hz)
         self.sensor_hz = self.loop_hz * self.oversample

@@ -50,6 +50,7 @@ class Effect(Enum):
     NOISE = auto()
     LATE = auto()
     RAMP = auto()
+    WANDER = auto()
     TRIM = auto()
     VIBRATION = auto()
     REBOOT = auto()
@@ -124,6 +125,7 @@ KINDS: Final = (
     FaultKind("receiver-noise", _RECEIVER, Effect.NOISE, "the velocity is noisy, and vel_acc says so", _DEVIATION),
     FaultKind("receiver-offset", _RECEIVER, Effect.OFFSET, f"{_ADDED} velocity", _VELOCITY, HORIZONTAL),
     FaultKind("receiver-ramp", _RECEIVER, Effect.RAMP, "the velocity's error grows by this", _GROWTH, HORIZONTAL),
+    FaultKind("receiver-wander", _RECEIVER, Effect.WANDER, "the velocity wanders, as indoors", _DEVIATION),
     FaultKind("receiver-late", _RECEIVER, Effect.LATE, "fixes are late by so much more", _DELAY),
     FaultKind("receiver-frozen", _RECEIVER, Effect.FREEZE, "the last fix is repeated with new times"),
     FaultKind("trim", _ATTITUDE, Effect.TRIM, "the attitude is reported turned, in the body", _ANGLE, BODY),

@@ -135,9 +135,8 @@ class Messages:
         """Armed from shortly before a vehicle moves."""
         armed = self.trajectory.flies and self.t_s >= STILL_S - 1.0
         mode = mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | (mavlink.MAV_MODE_FLAG_SAFETY_ARMED if armed else 0)
-        kind = mavlink.MAV_TYPE_FIXED_WING if self.trajectory.is_plane else mavlink.MAV_TYPE_QUADROTOR
         state = mavlink.MAV_STATE_ACTIVE if armed else mavlink.MAV_STATE_STANDBY
-        return (0, kind, self.personality.autopilot, mode, state, mavlink.MAVLINK_VERSION)
+        return (0, self.trajectory.vehicle_type, self.personality.autopilot, mode, state, mavlink.MAVLINK_VERSION)
 
     # --- inertial ----------------------------------------------------------------------------------------------
 

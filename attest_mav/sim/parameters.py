@@ -22,7 +22,7 @@ class ParameterTable:
 
     def __init__(self, personality: Personality, settings: SimSettings, is_plane: bool) -> None:
         self.parameters = list(personality.parameters)
-        if personality is ARDUPILOT:
+        if personality.name == ARDUPILOT.name:
             named = zip(TRIM_NAMES, settings.trim, strict=True)
             self.parameters += [Parameter(name, angle, MAV_PARAM_TYPE_REAL32) for name, angle in named]
             declination = radians(settings.earth.declination_deg)

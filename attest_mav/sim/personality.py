@@ -6,7 +6,7 @@ ATTITUDE without being asked, so that whoever listens can judge an estimate; and
 package has a use for.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from attest_mav.errors import UsageError
@@ -26,6 +26,7 @@ from attest_mav.mavlink.constants import (
     MAV_RESULT_FAILED,
     MAV_SEVERITY_CRITICAL,
     MAV_SEVERITY_WARNING,
+    MAV_TYPE_GROUND_ROVER,
     NO_DATA_STREAM,
 )
 from attest_mav.sim.receiver import GPS_DELAY_S
@@ -84,6 +85,9 @@ class Personality:
 
 
 ARDUPILOT_LOWPASS_HZ: Final = 20.0
+ROVER_LOWPASS_HZ: Final = 4.0
+"""ArduPilot's default on rovers and boats."""
+LOWPASS_NAME: Final = "INS_GYRO_FILTER"
 
 ARDUPILOT: Final = Personality(
     name="ardupilot",
@@ -116,7 +120,7 @@ ARDUPILOT: Final = Personality(
         Stream("AUTOPILOT_VERSION", 0.0),
     ),
     parameters=(
-        Parameter("INS_GYRO_FILTER", ARDUPILOT_LOWPASS_HZ, MAV_PARAM_TYPE_INT16),
+        Parameter(LOWPASS_NAME, ARDUPILOT_LOWPASS_HZ, MAV_PARAM_TYPE_INT16),
         Parameter("GPS1_DELAY_MS", 1e3 * GPS_DELAY_S, MAV_PARAM_TYPE_INT16),
         Parameter("AHRS_EKF_TYPE", 3.0, MAV_PARAM_TYPE_INT8),
         Parameter("COMPASS_AUTODEC", 1.0, MAV_PARAM_TYPE_INT8),
@@ -168,3 +172,17 @@ def personality_of(name: str) -> Personality:
     if name == "px4":
         return PX4
     raise UsageError(f"unknown personality {name[:40]!r}: expected one of {', '.join(PERSONALITIES)}")
+
+
+def with_low_pass(firmware: Personality, low_pass_hz: float) -> Personality:
+    """The firmware with another low-pass on its inertial messages; the parameter that tells the corner follows."""
+    told = tuple(replace(one, value=low_pass_hz) if one.name == LOWPASS_NAME else one for one in firmware.parameters)
+    return replace(firmware, lowpass_hz=low_pass_hz, parameters=told)
+
+
+def fitted(firmware: Personality, vehicle_type: int, low_pass_hz: float | None) -> Personality:
+    """The firmware on a vehicle of this MAV_TYPE. low_pass_hz: the corner that the user chose, None for the default."""
+    if low_pass_hz is not None:
+        return with_low_pass(firmware, low_pass_hz)
+    is_rover = firmware is ARDUPILOT and vehicle_type == MAV_TYPE_GROUND_ROVER
+    return with_low_pass(firmware, ROVER_LOWPASS_HZ) if is_rover else firmware

@@ -2,6 +2,7 @@
 
 from math import atan2, cos, pi, radians, sin, tan
 
+from attest_mav.mavlink.constants import MAV_TYPE_FIXED_WING
 from attest_mav.sim.jets import Jet, constant, plus, scaled, smooth_ramp, smooth_step
 from attest_mav.sim.motion import Motion, body_rates
 from attest_mav.sim.trajectory import STILL_S, Trajectory
@@ -16,6 +17,7 @@ class CoordinatedTurns(Trajectory):
     """
 
     is_plane = True
+    vehicle_type = MAV_TYPE_FIXED_WING
 
     SPEED = 22.0
     RUN_S = 8.0

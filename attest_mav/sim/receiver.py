@@ -1,5 +1,6 @@
 """A GNSS receiver: five fixes a second, each telling of 100 ms before, as in ArduPilot's simulator."""
 
+from math import exp, sqrt
 from typing import Final
 
 from attest_mav.algebra import add, scale, sub
@@ -14,6 +15,8 @@ GPS_DELAY_S: Final = 0.1
 GPS_SPEED_NOISE: Final = 0.04
 """m/s, one deviation of each horizontal component."""
 GPS_POSITION_NOISE_M: Final = 0.3
+WANDER_S: Final = 5.0
+"""Time constant with which reflections move the velocity, s."""
 
 
 class Gps:
@@ -36,6 +39,8 @@ class Gps:
         """Reported standard deviation of the velocity, m/s; 0 for none."""
         self.error: Vec3 = NOWHERE
         """Error that faults have added to the velocity, NED, m/s."""
+        self.wander: Vec3 = NOWHERE
+        """Error of a velocity that wanders, as a share of its deviation."""
 
     def update(self, t_ns: int, faults: Faults = ()) -> None:
         """Take a fix if one is due."""
@@ -70,7 +75,17 @@ class Gps:
         if deviation > 0.0:
             self.accuracy = deviation
             velocity = add(velocity, noise(self.fault_rng, deviation))
+        velocity = add(velocity, self._wandered(faults))
         for fault in faults:
             if fault.effect is Effect.RAMP:
                 velocity = add(velocity, scale(fault.vector, max(at_s - fault.start_s, 0.0)))
         self.velocity = add(velocity, total(faults, Effect.OFFSET))
+
+    def _wandered(self, faults: Faults) -> Vec3:
+        """The error of a velocity that wanders, m/s: a Gauss-Markov process of first order."""
+        deviation = sum(fault.size for fault in faults if fault.effect is Effect.WANDER)
+        if deviation == 0.0:
+            return NOWHERE
+        kept = exp(-1e-9 * GPS_PERIOD_NS / WANDER_S)
+        self.wander = add(scale(self.wander, kept), noise(self.fault_rng, sqrt(1.0 - kept * kept)))
+        return scale(self.wander, deviation)

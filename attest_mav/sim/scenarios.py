@@ -9,6 +9,8 @@ coordinated-turns
     with short straights between.
 square
     A copter flying a 40 m square, nose on track: up to 18 degrees of tilt, and 90 degree yaws at the corners.
+rover
+    On level ground, turning to and fro on nearly one spot at up to 6 rad/s.
 tumbling
     Turning over and over about all axes, at up to about 3 rad/s, while moving a little.
 """
@@ -19,9 +21,10 @@ from typing import Final
 from attest_mav.errors import UsageError
 from attest_mav.sim.copters import Hover, Square, Tumbling
 from attest_mav.sim.plane import CoordinatedTurns
+from attest_mav.sim.rover import Spins
 from attest_mav.sim.trajectory import Still, Trajectory
 
-SCENARIOS: Final = ("still", "hover", "coordinated-turns", "square", "tumbling")
+SCENARIOS: Final = ("still", "hover", "coordinated-turns", "square", "rover", "tumbling")
 
 
 def check_scenario(name: str) -> None:
@@ -41,4 +44,6 @@ def make_trajectory(name: str, seed: int) -> Trajectory:
         return CoordinatedTurns()
     if name == "square":
         return Square()
+    if name == "rover":
+        return Spins()
     return Tumbling()

@@ -53,6 +53,8 @@ class SimSettings:
 
     ArduPilot's ceiling on message rates follows from it.
     """
+    low_pass_hz: float | None = None
+    """Corner of the low-pass that the inertial messages have passed; None is the firmware's default."""
     system: int = 1
     earth: Earth = field(default_factory=Earth)
     errors: SensorErrors = field(default_factory=SensorErrors)

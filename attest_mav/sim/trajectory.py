@@ -4,6 +4,7 @@ from abc import ABC, abstractmethod
 from math import radians
 from typing import Final
 
+from attest_mav.mavlink.constants import MAV_TYPE_QUADROTOR
 from attest_mav.sim.motion import Motion
 from attest_mav.types import Vec3
 
@@ -16,6 +17,8 @@ class Trajectory(ABC):
 
     flies = True
     is_plane = False
+    vehicle_type: int = MAV_TYPE_QUADROTOR
+    """MAV_TYPE."""
 
     @abstractmethod
     def at(self, t_s: float) -> Motion:

@@ -6,8 +6,8 @@ import pytest
 
 from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.estimation.vehicle import AidSettings
-from attest_mav.filters.velocity_aided.aids.gnss_velocity import nominal_delay_s
 from attest_mav.filters.velocity_aided.filter import VelocityAided
+from attest_mav.filters.velocity_aided.lags import nominal_fix_lag_s
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.reading import read
 from attest_mav.samples import AirDataSample, ImuSample, VelocitySample
@@ -76,4 +76,4 @@ def test_an_exact_reading_stays_even_if_its_stream_has_the_name_of_a_truncated_o
 )
 def test_a_velocity_is_late_by_its_origin(source, origin, delay_s):
     fix = VelocitySample(source, 1, 1, 0, 0, (1.0, 0.0, 0.0), False, origin)
-    assert nominal_delay_s(fix, FlightParameters()) == delay_s
+    assert nominal_fix_lag_s(fix.origin, FlightParameters(low_pass_hz=0.0)) == delay_s

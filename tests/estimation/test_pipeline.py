@@ -11,8 +11,8 @@ from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.samples import ImuSample
-from attest_mav.types import G_MPS2, EarthField, North
-from attest_mav.vehicle_reports import HeartbeatSample, ParameterSample
+from attest_mav.types import G_MPS2, EarthField, North, VehicleKind
+from attest_mav.vehicle_reports import FirmwareSample, HeartbeatSample, ParameterSample
 from attest_mav.vehicle_settings import Setting
 
 DT = 0.02
@@ -314,6 +314,23 @@ def test_a_reference_that_stops_leaves_no_verdict(pipeline, imu, attitude):
     run(pipeline, still(imu, 2.0, 3.0))
     said = verdicts(pipeline.poll(3_000_000_000))
     assert [(v.agreement, v.reason) for v in said] == [(Agreement.UNDECIDED, "no-reference")]
+
+
+def test_attitudes_of_an_unknown_frame_have_a_reason_of_their_own(pipeline, imu, attitude):
+    """ATTITUDE_QUATERNION of firmware 4.0 is that of its secondary estimator."""
+    level = (1.0, 0.0, 0.0, 0.0)
+    pipeline.handle(HeartbeatSample("HEARTBEAT", 1, 1, 0, 2, 3, False, 3, VehicleKind.ROTARY))
+    pipeline.handle(FirmwareSample("AUTOPILOT_VERSION", 1, 1, 0, (4, 0, 3)))
+
+    def both(from_s, to_s, source):
+        return interleave(imu, lambda t_s, q: attitude(t_s, q, source), from_s, to_s, lambda _: level)
+
+    said = verdicts(run(pipeline, both(0.0, 2.0, "ATTITUDE_QUATERNION")))
+    assert [(v.agreement, v.reason, v.source) for v in said] == [(Agreement.UNDECIDED, "unknown-frame", "")]
+    assert verdicts(run(pipeline, both(2.0, 3.0, "ATTITUDE")))[-1].reason == "agrees"
+    assert [v.reason for v in verdicts(run(pipeline, both(3.0, 6.0, "ATTITUDE_QUATERNION")))] == ["unknown-frame"]
+    run(pipeline, still(imu, 6.0, 7.2))
+    assert [v.reason for v in verdicts(pipeline.poll(7_200_000_000))] == ["no-reference"]
 
 
 def test_a_split_run_equals_a_whole_one(imu):

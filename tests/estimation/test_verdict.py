@@ -61,6 +61,14 @@ def test_the_limits_go_by_what_our_own_attitude_can_do(roll_deg, yaw_deg, sigma_
     assert (said.agreement, said.reason) == (expected, reason)
 
 
+@pytest.mark.parametrize(("roll_deg", "expected"), [(5.0, UNDECIDED), (7.0, DISAGREE)])
+def test_below_ten_hertz_a_tilt_must_exceed_three_sigmas(roll_deg, expected):
+    """Errors from motion between the samples last longer there than a verdict takes."""
+    theirs = q_from_euler(radians(roll_deg), 0.0, 0.0)
+    assert last_said(theirs, tilt_deg=2.0).agreement is DISAGREE
+    assert last_said(theirs, tilt_deg=2.0, dt_s=0.25).agreement is expected
+
+
 def test_a_heading_within_our_own_twenty_degrees_is_no_agreement():
     """An autopilot whose heading is not aligned yet, beside a filter that does not know its own well."""
     said = last_said(q_from_euler(0.0, 0.0, radians(15.0)), heading_deg=6.7)

@@ -139,6 +139,18 @@ def test_quaternions_of_the_secondary_estimator_are_no_reference(log):
     assert plan_of(log).reference == "ATTITUDE"
 
 
+def test_nor_where_there_is_nothing_else_to_compare_with(log):
+    log.heartbeat()
+    log.add("STATUSTEXT", 0, {"text": b"ArduCopter V3.6.8 (0a1b2c3d)", "severity": 6})
+    for k in range(60):
+        log.imu(1000 + 20 * k)
+        log.add("ATTITUDE_QUATERNION", 1000 + 20 * k, {"q1": 1.0})
+    summary = TlogSource(log.data, log.dialect).summary()
+    plan = make_plan(summary, None, None)
+    assert (plan.reference, plan.autopilot) == (None, None)
+    assert "secondary" in summary.vehicles[plan.vehicle].unfit["ATTITUDE_QUATERNION"]
+
+
 @pytest.fixture
 def two_vehicles(log):
     """1/1 has most inertial messages, then 2/1; a camera has none."""

@@ -5,84 +5,14 @@ are about 1.5 times what was measured (seed 1), except in the plane's turns, whe
 are known to fail and only the one with it has a limit.
 """
 
-from dataclasses import dataclass, field
-from math import degrees, inf, radians
+from math import inf
 
 import pytest
 
-from attest_mav.algebra import heading_between, tilt_between
-from attest_mav.estimate import Estimate
-from attest_mav.estimation.events import Agreement, LaneEvent, LaneEventKind, Verdict
-from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
-from attest_mav.filters.registry import default_filter
-from attest_mav.mavlink.decode.decoder import Decoder
-from attest_mav.mavlink.dialect import load_dialect
-from attest_mav.mavlink.wire.framer import Framer
-from attest_mav.sim.autopilot import FakeAutopilot
-from attest_mav.sim.fault_text import parse_faults
-from attest_mav.sim.settings import SimSettings
-from attest_mav.types import EarthField, North
+from attest_mav.estimation.events import Agreement, LaneEventKind
+from attest_mav.types import North
 
-SOURCES = {"ardupilot": "RAW_IMU", "px4": "HIGHRES_IMU"}
-
-
-@dataclass
-class Flight:
-    """What came out of the pipeline; times are nanoseconds of the simulation."""
-
-    vehicle: FakeAutopilot
-    boot_ns: int = 0
-    estimates: list[Estimate] = field(default_factory=list)
-    lane_events: list[LaneEvent] = field(default_factory=list)
-    verdicts: list[Verdict] = field(default_factory=list)
-
-    def kinds(self):
-        """The lane's events, in order."""
-        return [event.kind for event in self.lane_events]
-
-    def errors(self, from_s=0.0, to_s=inf):
-        """(tilt, heading) of each estimate against the truth at its own time, degrees."""
-        found = []
-        for estimate in self.estimates:
-            if from_s <= estimate.rx_ns * 1e-9 < to_s:
-                truth = self.vehicle.truth(estimate.t_ns + self.boot_ns).q_nb
-                tilt, heading = tilt_between(estimate.q_nb, truth), heading_between(estimate.q_nb, truth)
-                found.append((degrees(tilt), abs(degrees(heading))))
-        return found
-
-    def worst(self, from_s=0.0, to_s=inf):
-        """The largest tilt and heading error, degrees."""
-        errors = self.errors(from_s, to_s)
-        return max(tilt for tilt, _ in errors), max(heading for _, heading in errors)
-
-    def first_disagreement_s(self):
-        """When the verdict first was DISAGREE, s; infinity if never."""
-        return min((v.rx_ns * 1e-9 for v in self.verdicts if v.agreement is Agreement.DISAGREE), default=inf)
-
-
-def fly(until_s, filter_name="gradient-descent", faults=(), **choices):
-    """One flight: advance to whichever deadline is next, the vehicle's or the pipeline's."""
-    settings = SimSettings(**({"fast_rate_hz": 50.0} | choices), faults=parse_faults(faults))
-    dialect = load_dialect()
-    vehicle = FakeAutopilot(settings, 1, dialect)
-    decoder = Decoder(dialect)
-    framer = Framer(dialect, decoder.wanted)
-    pipeline = Pipeline(PipelineSettings(), default_filter(filter_name), [SOURCES[settings.personality]])
-    pipeline.set_field(EarthField(radians(settings.earth.declination_deg), radians(settings.earth.inclination_deg)))
-    flight = Flight(vehicle)
-    now_ns = 0
-    while now_ns < until_s * 1e9:
-        now_ns = min(vehicle.next_deadline_ns, pipeline.next_deadline_ns or 2**62)
-        events = []
-        for frame in framer.feed(b"".join(vehicle.frames_until(now_ns)), now_ns):
-            for sample in decoder.decode(frame):
-                events += pipeline.handle(sample)
-        events += pipeline.poll(now_ns)
-        flight.estimates += [e for e in events if isinstance(e, Estimate)]
-        flight.lane_events += [e for e in events if isinstance(e, LaneEvent)]
-        flight.verdicts += [e for e in events if isinstance(e, Verdict)]
-    assert framer.bad_bytes == 0
-    return flight
+from .flying import fly
 
 
 @pytest.mark.parametrize(

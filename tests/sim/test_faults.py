@@ -46,6 +46,7 @@ MEASURED = {
     "receiver-noise=3": {RECEIVER},
     "receiver-offset-north=5": {RECEIVER},
     "receiver-ramp-east=5": {RECEIVER},
+    "receiver-wander=3": {RECEIVER},
     "receiver-late=0.5": {RECEIVER},
     "receiver-frozen": {RECEIVER},
     "trim-x=5": set(),

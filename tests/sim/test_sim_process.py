@@ -150,7 +150,7 @@ def test_a_busy_port_is_one_line_and_69(start):
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
-        (["--scenario", "loop"], "'loop': expected one of still, hover, coordinated-turns, square, tumbling"),
+        (["--scenario", "loop"], "'loop': expected one of still, hover, coordinated-turns, square, rover, tumbling"),
         (["--personality", "inav"], "'inav': expected one of ardupilot, px4"),
         (["--rate", "0"], "rate 0 Hz is out of range: expected 1 to 1000"),
         (["--rate", "nan"], "rate nan Hz is out of range"),

@@ -149,5 +149,5 @@ def test_only_the_gusts_depend_on_the_seed():
 
 
 def test_an_unknown_scenario_is_an_error_that_lists_the_known_ones():
-    with pytest.raises(UsageError, match=r"'loop'.*still, hover, coordinated-turns, square, tumbling"):
+    with pytest.raises(UsageError, match=r"'loop'.*still, hover, coordinated-turns, square, rover, tumbling"):
         make_trajectory("loop", 1)

@@ -10,7 +10,7 @@ from typing import Final
 
 from attest_mav.algebra import sub
 from attest_mav.estimation.witness.contradiction import shifts_beside
-from attest_mav.estimation.witness.flight_state import FixRecord, fix_delay_of, velocity_of
+from attest_mav.estimation.witness.flight_state import FixRecord, fix_lag_of, velocity_of
 from attest_mav.estimation.witness.moments import Moments
 from attest_mav.types import Vec3
 
@@ -88,7 +88,7 @@ class Coasting:
         newest = moments.newest
         if newest is None:
             return
-        instant_ns = record.t_ns - int(1e9 * fix_delay_of(newest.state))
+        instant_ns = record.t_ns - int(1e9 * fix_lag_of(newest.state))
         then = velocity_at(moments, instant_ns)
         shifts = [
             sub(velocity_at(moments, instant_ns - int(1e9 * (shift_s - self._present_s))), then)

@@ -95,10 +95,10 @@ def velocity_of(state: FilterState) -> Vec3:
     return (0.0, 0.0, 0.0) if navigation is None else navigation.estimate.velocity
 
 
-def fix_delay_of(state: FilterState) -> float:
-    """Delay of the velocity fixes by the filter, s; 0 while it aligns."""
+def fix_lag_of(state: FilterState) -> float:
+    """Lag of the velocity fixes behind the inertial readings by the filter, s; 0 while it aligns."""
     navigation = navigation_of(state)
-    return 0.0 if navigation is None else navigation.estimate.fix_delay_s
+    return 0.0 if navigation is None else navigation.estimate.fix_lag_s
 
 
 def with_velocity_unknown(one: VelocityAided, state: FilterState) -> FilterState:
@@ -143,8 +143,8 @@ def on_another_sensor(
         nav.gyro_scale,
         add(nav.accel_bias, accel_offset),
         nav.hard_iron,
-        nav.mag_delay_s,
-        nav.fix_delay_s,
+        nav.mag_lag_s,
+        nav.fix_lag_s,
         nav.declination_error,
         nav.covariance,
     )

@@ -30,12 +30,12 @@ class ErrorBlock(IntEnum):
     HARD_IRON = 5
     """Body, gauss."""
     DELAYS = 6
-    """Delay of the magnetometer (s), delay of the velocity fixes (s), declination error (rad)."""
+    """Lag of the magnetometer (s), lag of the velocity fixes (s), declination error (rad)."""
 
 
-MAG_DELAY: Final = 0
+MAG_LAG: Final = 0
 """Component of ``ErrorBlock.DELAYS``."""
-FIX_DELAY: Final = 1
+FIX_LAG: Final = 1
 """Component of ``ErrorBlock.DELAYS``."""
 DECLINATION: Final = 2
 """Component of ``ErrorBlock.DELAYS``."""

@@ -15,16 +15,16 @@ from dataclasses import dataclass, field, replace
 from math import asin, hypot, isfinite, nan, pi
 from typing import cast
 
-from attest_mav.algebra import clamp, q_continuous, q_exp, q_mul, rotate, scale, sub
+from attest_mav.algebra import add, clamp, q_continuous, q_exp, q_mul, rotate, scale, sub
 from attest_mav.filters.base import AttitudeFilter, FilterInputs, FilterState, Start
 from attest_mav.filters.velocity_aided.aids.field import FieldResidual, field_residual
-from attest_mav.filters.velocity_aided.aids.gnss_velocity import low_pass_delay_s
 from attest_mav.filters.velocity_aided.alignment.collect import Alignment, accumulate, new_alignment
 from attest_mav.filters.velocity_aided.alignment.initialize import first_navigation, restarted_navigation
 from attest_mav.filters.velocity_aided.alignment.solve import (
     solve_alignment,
 )
 from attest_mav.filters.velocity_aided.control import navigate
+from attest_mav.filters.velocity_aided.lags import low_pass_delay
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, body_rate
 from attest_mav.filters.velocity_aided.navigation import AidingMode, Navigation
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
@@ -179,9 +179,14 @@ class VelocityAided(AttitudeFilter):
         """The state that shows this estimate: the attitude now, not the one that the low-passed sensors see."""
         nav = navigation.estimate
         rate = body_rate(nav, navigation.imu.gyro)
-        q_nb = q_mul(nav.q_nb, q_exp(scale(rate, 0.5 * low_pass_delay_s(self.parameters))))
-        # A low-pass that is only assumed leaves the attitude uncertain along the rotation.
-        lag_x, lag_y, lag_z = scale(rotate(q_nb, rate), self.parameters.low_pass_delay_sigma)
+        low_pass = low_pass_delay(nav, navigation.imu.dt_s, self.parameters)
+        lag_s, acceleration = low_pass.delay_s, navigation.imu.angular_acceleration
+        # A second-order low-pass with the delay L is behind by exactly L w + L^2/2 dw/dt, both as it shows them.
+        behind = add(scale(rate, lag_s), scale(acceleration, 0.5 * lag_s * lag_s))
+        q_nb = q_mul(nav.q_nb, q_exp(scale(behind, 0.5)))
+        # One that is only assumed leaves the attitude uncertain along the rotation.
+        by_lag = add(rate, scale(acceleration, lag_s))
+        lag_x, lag_y, lag_z = scale(rotate(q_nb, by_lag), low_pass.sigma_s)
         tilt_sigma = hypot(nav.tilt_sigma, reset_sigma, lag_x, lag_y)
         return VelocityAidedState(
             q_continuous(q_nb, previous),

@@ -44,7 +44,7 @@ class Measurement:
         self.m: Final = m
         """Jacobian by the hard iron, a gauss."""
         self.d: Final = d
-        """Jacobian by the delays of magnetometer and fixes (a s) and the declination error (a rad)."""
+        """Jacobian by the lags of magnetometer and fixes (a s) and the declination error (a rad)."""
 
 
 @mypyc_attr(acyclic=True)

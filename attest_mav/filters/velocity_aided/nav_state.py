@@ -13,7 +13,7 @@ from mypy_extensions import mypyc_attr
 from attest_mav.algebra import add, clamp, dot, q_exp, q_mul, q_norm, q_unit, scale
 from attest_mav.filters.velocity_aided.covariance import Covariance
 from attest_mav.filters.velocity_aided.covariance_blocks import (
-    FIX_DELAY,
+    FIX_LAG,
     ErrorBlock,
     decoupled,
     with_added_variance,
@@ -30,8 +30,10 @@ from attest_mav.filters.velocity_aided.measurement import (
 from attest_mav.matrices import diagonal
 from attest_mav.types import Mat3, Quat, Vec3
 
-LONGEST_DELAY_S: Final = 0.4
-"""Largest delay that is estimated, s: with the age of the message it lies within the history."""
+LONGEST_LAG_S: Final = 0.4
+"""Largest lag that is estimated, s: with the age of the message it lies within the history."""
+LONGEST_LEAD_S: Final = 0.15
+"""Largest lead, s: behind a low-pass of 2 Hz the inertial readings are 0.11 s late, and may be the latest of all."""
 
 
 @mypyc_attr(acyclic=True)
@@ -46,8 +48,8 @@ class NavigationState:
         gyro_scale: Vec3,
         accel_bias: Vec3,
         hard_iron: Vec3,
-        mag_delay_s: float,
-        fix_delay_s: float,
+        mag_lag_s: float,
+        fix_lag_s: float,
         declination_error: float,
         covariance: Covariance,
     ) -> None:
@@ -63,10 +65,11 @@ class NavigationState:
         """Body, m/s^2; to be subtracted from the accelerometer."""
         self.hard_iron: Final = hard_iron
         """Body, gauss; to be subtracted from the magnetometer."""
-        self.mag_delay_s: Final = mag_delay_s
-        """How much older a magnetometer reading is than the inertial reading beside it, s."""
-        self.fix_delay_s: Final = fix_delay_s
-        """How much older a velocity fix is than its message says, s."""
+        self.mag_lag_s: Final = mag_lag_s
+        """How much older a magnetometer reading is than the low-passed inertial reading beside it, s; negative for one
+        that is less late."""
+        self.fix_lag_s: Final = fix_lag_s
+        """How much older a velocity fix is than a low-passed inertial reading of the time that its message names, s."""
         self.declination_error: Final = declination_error
         """True minus assumed declination, rad."""
         self.covariance: Final = covariance
@@ -96,8 +99,8 @@ class NavigationState:
             self.gyro_scale,
             self.accel_bias,
             self.hard_iron,
-            self.mag_delay_s,
-            self.fix_delay_s,
+            self.mag_lag_s,
+            self.fix_lag_s,
             self.declination_error,
             covariance,
         )
@@ -113,7 +116,7 @@ class NavigationState:
     def corrected(self, cross_cov: CrossCovariance, gain: float, covariance: Covariance) -> "NavigationState":
         """The state after the correction ``gain`` times P h, which an error-state filter takes into the state at once.
 
-        The delays stay possible ones: a fix from the future, or from before the history, would match no measurement.
+        The lags stay possible ones: a fix from the future, or from before the history, would match no measurement.
         """
         d = cross_cov.d
         return NavigationState(
@@ -123,16 +126,16 @@ class NavigationState:
             add(self.gyro_scale, scale(cross_cov.s, gain)),
             add(self.accel_bias, scale(cross_cov.a, gain)),
             add(self.hard_iron, scale(cross_cov.m, gain)),
-            clamp(self.mag_delay_s + gain * d[0], 0.0, LONGEST_DELAY_S),
-            clamp(self.fix_delay_s + gain * d[1], 0.0, LONGEST_DELAY_S),
+            clamp(self.mag_lag_s + gain * d[0], -LONGEST_LEAD_S, LONGEST_LAG_S),
+            clamp(self.fix_lag_s + gain * d[1], -LONGEST_LEAD_S, LONGEST_LAG_S),
             self.declination_error + gain * d[2],
             covariance,
         )
 
-    def with_delays(
-        self, mag_delay_s: float, fix_delay_s: float, declination_error: float, covariance: Covariance
+    def with_lags(
+        self, mag_lag_s: float, fix_lag_s: float, declination_error: float, covariance: Covariance
     ) -> "NavigationState":
-        """The state with other delays (s) and another declination error (rad)."""
+        """The state with other lags (s) and another declination error (rad)."""
         return NavigationState(
             self.q_nb,
             self.velocity,
@@ -140,8 +143,8 @@ class NavigationState:
             self.gyro_scale,
             self.accel_bias,
             self.hard_iron,
-            mag_delay_s,
-            fix_delay_s,
+            mag_lag_s,
+            fix_lag_s,
             declination_error,
             covariance,
         )
@@ -162,10 +165,10 @@ class NavigationState:
         """The same estimate, one of its errors independent of all others and of this variance in each axis."""
         return self.with_covariance(decoupled(self.covariance, error, diagonal(variance)))
 
-    def with_fix_delay(self, delay_s: float, sigma_s: float) -> "NavigationState":
-        """The state for fixes from another source: their delay is new, and no other error depends on it."""
-        p = with_component_restarted(self.covariance, ErrorBlock.DELAYS, FIX_DELAY, sigma_s * sigma_s)
-        return self.with_delays(self.mag_delay_s, delay_s, self.declination_error, p)
+    def with_fix_lag(self, lag_s: float, variance: float) -> "NavigationState":
+        """The state for fixes from another source: their lag is new, and no other error depends on it."""
+        p = with_component_restarted(self.covariance, ErrorBlock.DELAYS, FIX_LAG, variance)
+        return self.with_lags(self.mag_lag_s, lag_s, self.declination_error, p)
 
 
 def cross_covariance_of(nav: NavigationState, measurement: Measurement) -> CrossCovariance:

@@ -124,7 +124,7 @@ def _with_declination(
     Magnetic north stays where it was estimated; the first declination is a measurement of where that is.
     """
     error = nav.declination_error
-    nav = nav.with_delays(nav.mag_delay_s, nav.fix_delay_s, error - change, nav.covariance)
+    nav = nav.with_lags(nav.mag_lag_s, nav.fix_lag_s, error - change, nav.covariance)
     if not first:
         return nav
     measurement = Measurement(change - error, d=(0.0, 0.0, 1.0))

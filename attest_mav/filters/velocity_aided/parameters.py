@@ -18,9 +18,9 @@ class FlightParameters:
     low_pass_hz: float = 20.0
     """Hz. Corner of the autopilot's second-order low-pass on gyro and accelerometer (INS_GYRO_FILTER); 0 for none. Its
     group delay is taken off the output: an error of 10 Hz shifts the output by a few ms times the rate."""
-    low_pass_delay_sigma: float = 0.008
-    """s. 1-sigma of that group delay while the corner is only assumed; 0 once it is known. Times the rate, it is part
-    of the output's sigma."""
+    low_pass_delay_sigma: float = 0.02
+    """s. 1-sigma of that group delay while the corner is only assumed; 0 once it is known. Corners of 5 to 80 Hz make
+    45 to 3 ms. Turns reduce it, see ``lags``; times the rate, the rest is part of the output's sigma."""
     fix_delay_s: float = 0.10
     """s. Age of a receiver's velocity at the time that its message names (GPS_DELAY_MS); the estimate starts there."""
     fix_delay_sigma: float = 0.04
@@ -29,9 +29,10 @@ class FlightParameters:
     """s. The same age for velocities of the autopilot's own estimator, which extrapolates to the present."""
     own_delay_sigma: float = 0.01
     """s. 1-sigma of that delay."""
-    mag_delay_s: float = 0.06
-    """s. Delay of the magnetometer against the inertial reading beside it; RAW_IMU repeats a 10 Hz mean."""
-    mag_delay_sigma: float = 0.05
+    mag_delay_s: float = 0.055
+    """s. Age of the magnetometer's reading at the time of its message; RAW_IMU repeats a mean of 10 Hz, which is 45 ms
+    late when it is new, and 55 ms where a message of 50 Hz shows it first."""
+    mag_delay_sigma: float = 0.02
     """s. 1-sigma of that delay at the start."""
     declination_sigma: float = radians(1.0)
     """rad. 1-sigma of the declination at the place together with the mounting of the compass."""

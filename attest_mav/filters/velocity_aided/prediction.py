@@ -78,6 +78,11 @@ class ImuMemory:
         self.history: Final = history
         """Recent gains of velocity."""
 
+    @property
+    def angular_acceleration(self) -> Vec3:
+        """By the last two gyro readings, rad/s^2; zero before the second."""
+        return scale(self.gyro_change, 1.0 / self.dt_s) if self.dt_s > 0.0 else (0.0, 0.0, 0.0)
+
     def with_attitude(self, nav: NavigationState) -> "ImuMemory":
         """The memory after a correction: the last specific force as the corrected state sees it."""
         return ImuMemory(

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from attest_mav.estimation.imu_frame import ImuFrame
+from attest_mav.estimation.imu_frame import ImuFrame, Refusal
 from attest_mav.estimation.vehicle import AidSettings, Vehicle
 from attest_mav.logs.source import FlightDate, LogSummary, VehicleId, VehicleSummary
 from attest_mav.logs.tlog.clocks import LogClocks, date_of
@@ -74,7 +74,10 @@ def _vehicle(
 
 
 def _unfit(survey: Survey, vehicle: VehicleId, counts: dict[str, int]) -> dict[str, str]:
-    """The reasons why attitudes cannot be compared; those of another frame only while one remains that can."""
+    """The reasons why attitudes cannot be compared; a frame that is not known at once only while another one is.
+
+    An attitude of the secondary estimator is none of the autopilot's, whatever else there is.
+    """
     attitudes = {name: count for name, count in counts.items() if name in TLOG_ROLES.named_reference}
     reasons = survey.attitudes.unfit(vehicle, attitudes)
     foreign = {}
@@ -82,7 +85,12 @@ def _unfit(survey: Survey, vehicle: VehicleId, counts: dict[str, int]) -> dict[s
     fit = [name for name in TLOG_ROLES.autopilot if name in attitudes and name not in reasons]
     for name in fit:
         first = survey.attitudes.first_of(vehicle, name)
-        if first is not None and frame.attitude(first) is None:
+        if first is None or frame.attitude(first) is not None:
+            continue
+        refusal = frame.refusal(name)
+        if refusal == Refusal.SECONDARY:
+            reasons[name] = f"{name}: {refusal.value}"
+        else:
             foreign[name] = f"{name} is in a frame that its firmware does not tell"
     return reasons if len(foreign) == len(fit) else {**reasons, **foreign}
 

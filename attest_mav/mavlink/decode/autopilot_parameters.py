@@ -85,8 +85,8 @@ is the newer. AHRS_TRIM is limited to 10 degrees where the autopilot calibrates 
 
 ROVER_LOW_PASS_HZ: Final = 4.0
 """ArduPilot's default of INS_GYRO_FILTER on ground vehicles and boats, Hz; 20 on all others."""
-ROVER_DELAY_SIGMA_S: Final = 0.02
-"""Uncertainty of the delay of that default, s: 4 Hz are late by 56 ms, 20 Hz by 11 ms."""
+ROVER_DELAY_SIGMA_S: Final = 0.03
+"""Uncertainty of the delay of that default, s: 4 Hz are late by 56 ms, 20 Hz by 11 ms, 2 Hz by 113 ms."""
 
 
 def facts_of_firmware(autopilot: int, vehicle_type: int) -> VehicleSettings:

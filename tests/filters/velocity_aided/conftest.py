@@ -34,7 +34,7 @@ class Telemetry:
 
     rate_hz: float = 50.0
     integer: bool = True
-    mag_lag_s: float = 0.06
+    mag_lag_s: float = 0.055
     fix_delay_s: float = 0.1
     fix_noise: float = 0.02
     gyro_bias: tuple = ZERO

@@ -4,7 +4,7 @@ import collections
 
 from attest_mav.logs.tlog.reader import TlogReader
 from attest_mav.mavlink.decode.decoder import Decoder
-from attest_mav.vehicle_reports import EstimatorSample
+from attest_mav.vehicle_reports import EstimatorNewsSample, EstimatorSample
 from attest_mav.vehicle_settings import Estimator
 
 COPTER = {
@@ -38,8 +38,9 @@ def test_every_message_of_the_copter_flight_gives_its_sample(dialect, data_folde
     texts = [sample for sample in samples if sample.source == "STATUSTEXT"]
     counts.pop("STATUSTEXT")
     assert counts == COPTER
-    assert [type(text) for text in texts] == [EstimatorSample, EstimatorSample]
-    assert [text.estimator for text in texts] == [Estimator.DCM, Estimator.EKF3]
+    active = [text.estimator for text in texts if isinstance(text, EstimatorSample)]
+    assert active == [Estimator.DCM, Estimator.EKF3]
+    assert [text.text for text in texts if isinstance(text, EstimatorNewsSample)] == ["AHRS: DCM active"]
     assert gps == 2 * (15578 - decoder.refused["GPS_RAW_INT"])
     assert set(decoder.refused) == {"GPS_RAW_INT"}
     assert decoder.refusals == {}

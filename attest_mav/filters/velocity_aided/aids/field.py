@@ -58,8 +58,8 @@ def levelled_field(nav: NavigationState, field: Vec3, rate: Vec3, declination: f
 
 
 def _attitude_then(nav: NavigationState, rate: Vec3) -> Mat3:
-    """C at the time of the reading: the delay is short enough to turn back at the present rate."""
-    return q_to_matrix(q_mul(nav.q_nb, q_exp(scale(rate, -0.5 * nav.mag_delay_s))))
+    """C at the time of the reading: the lag is short enough to turn back at the present rate."""
+    return q_to_matrix(q_mul(nav.q_nb, q_exp(scale(rate, -0.5 * nav.mag_lag_s))))
 
 
 @mypyc_attr(acyclic=True)
@@ -78,7 +78,7 @@ class FieldResidual:
 def field_residual(nav: NavigationState, gyro: Vec3, sample: ImuSample, reference: Vec3) -> FieldResidual | None:
     """The whole residual of a sample's field, None where it has none. reference: unit vector in NED.
 
-    gyro: the reading that turns the attitude back by the magnetometer's delay, rad/s.
+    gyro: the reading that turns the attitude back by the magnetometer's lag, rad/s.
     """
     field = field_of(sample)
     if field is None:

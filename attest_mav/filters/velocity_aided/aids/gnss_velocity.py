@@ -15,6 +15,7 @@ from mypy_extensions import mypyc_attr
 from attest_mav.algebra import clamp, dot, unit_axis
 from attest_mav.filters.robust import averaged_power, variance_on_gate
 from attest_mav.filters.velocity_aided.history import DeltaVelocityHistory, Lookback, look_back
+from attest_mav.filters.velocity_aided.lags import fix_lag_variance, nominal_fix_lag_s
 from attest_mav.filters.velocity_aided.measurement import Measurement
 from attest_mav.filters.velocity_aided.nav_state import (
     DEADBAND_ACCEL,
@@ -27,7 +28,7 @@ from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.innovation import Aid, Fusion, Innovation
 from attest_mav.plausible import is_velocity
 from attest_mav.samples import VelocitySample
-from attest_mav.types import Vec3, VelocityOrigin
+from attest_mav.types import Vec3
 
 POWER_SHARE: Final = 0.05
 """Weight of a new innovation in the running mean square."""
@@ -82,24 +83,9 @@ def initial_gnss_velocity(parameters: FlightParameters) -> GnssVelocity:
     return GnssVelocity(None, inf, (parameters.velocity_sigma / NOISE_FACTOR) ** 2, 0.0, None)
 
 
-def time_of_validity(fix: VelocitySample, delay_s: float, parameters: FlightParameters) -> int:
-    """The instant of the fix on the clock of the low-passed sensors, ns: they lag the motion too."""
-    return fix.t_ns - int(1e9 * (delay_s - low_pass_delay_s(parameters)))
-
-
-def nominal_delay_s(fix: VelocitySample, parameters: FlightParameters) -> float:
-    """Delay of such fixes before it is estimated, s."""
-    return parameters.fix_delay_s if fix.origin == VelocityOrigin.RECEIVER else parameters.own_delay_s
-
-
-def nominal_delay_sigma(fix: VelocitySample, parameters: FlightParameters) -> float:
-    """1-sigma of that delay, s."""
-    return parameters.fix_delay_sigma if fix.origin == VelocityOrigin.RECEIVER else parameters.own_delay_sigma
-
-
-def low_pass_delay_s(parameters: FlightParameters) -> float:
-    """Group delay of the autopilot's second-order Butterworth low-pass, s: sqrt(2) / (2 pi f)."""
-    return 0.2250790790392765 / parameters.low_pass_hz if parameters.low_pass_hz > 0.0 else 0.0
+def time_of_validity(fix: VelocitySample, lag_s: float) -> int:
+    """The instant of the fix on the clock of the low-passed sensors, ns."""
+    return fix.t_ns - int(1e9 * lag_s)
 
 
 def fix_is_due(gnss: GnssVelocity, fix: VelocitySample, parameters: FlightParameters) -> bool:
@@ -129,8 +115,8 @@ def fuse_velocity(
     if not is_velocity(fix.v_ned):
         return nav, gnss.with_innovation(Innovation(Aid.VELOCITY, Fusion.IMPLAUSIBLE, fix.t_ns))
     if gnss.last is None or fix.source != gnss.last.source:
-        nav = nav.with_fix_delay(nominal_delay_s(fix, parameters), nominal_delay_sigma(fix, parameters))
-    past = look_back(history, time_of_validity(fix, nav.fix_delay_s, parameters))
+        nav = nav.with_fix_lag(nominal_fix_lag_s(fix.origin, parameters), fix_lag_variance(fix.origin, parameters))
+    past = look_back(history, time_of_validity(fix, nav.fix_lag_s))
     if past is None:
         return nav, gnss.with_innovation(Innovation(Aid.VELOCITY, Fusion.TOO_OLD, fix.t_ns, fix.v_ned))
     nav, innovation = _fuse_axes(nav, past, gnss.innovation_power, fix, estimates_sensors, parameters)
@@ -191,7 +177,7 @@ def velocity_measurement(
     """One axis of a fix. ``accel``: of the vehicle at the time of the fix, NED, m/s^2.
 
     The velocity then is v - u - g age, with u the gain of specific force since; so its error is dv + [u]x dt, and a
-    delay that is longer by dd moves the instant back along the acceleration.
+    lag that is longer by dd moves the instant back along the acceleration.
     """
     u = past.delta_velocity
     gained = u[axis] + (parameters.gravity * past.age_s if axis == 2 else 0.0)

@@ -14,9 +14,10 @@ from attest_mav.algebra import add, norm, q_exp, q_mul, q_unit, rotate, scale, s
 from attest_mav.filters.base import FilterInputs
 from attest_mav.filters.stationary import StillnessLimits, is_unaccelerated
 from attest_mav.filters.velocity_aided.aids.airspeed import has_airspeed_of_flight
-from attest_mav.filters.velocity_aided.aids.gnss_velocity import nominal_delay_s, time_of_validity
+from attest_mav.filters.velocity_aided.aids.gnss_velocity import time_of_validity
 from attest_mav.filters.velocity_aided.aids.zero_motion import MAX_SPEED
 from attest_mav.filters.velocity_aided.history import DeltaVelocityHistory, appended, empty_history, look_back
+from attest_mav.filters.velocity_aided.lags import nominal_fix_lag_s, nominal_mag_lag_s
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.reading import Reading, field_of
 from attest_mav.low_pass import aliased_share
@@ -179,7 +180,7 @@ def accumulate(
         force,
         history,
         _with_fix(alignment, inputs.velocity, history, parameters),
-        _with_field(alignment.field, sample, rotation.q_start_body, scale(rate, -0.5 * parameters.mag_delay_s)),
+        _with_field(alignment.field, sample, rotation.q_start_body, scale(rate, -0.5 * nominal_mag_lag_s(parameters))),
         StillPeriod(add(still.delta_velocity, delta_velocity), still.duration_s + dt_s)
         if is_still
         else StillPeriod((0.0, 0.0, 0.0), 0.0),
@@ -245,7 +246,7 @@ def _with_fix(
         return fixes
     if fixes and fix.t_ns - fixes[-1].message_ns < int(1e9 * parameters.fix_spacing_s) - 1_000_000:
         return fixes
-    t_ns = time_of_validity(fix, nominal_delay_s(fix, parameters), parameters)
+    t_ns = time_of_validity(fix, nominal_fix_lag_s(fix.origin, parameters))
     past = look_back(history, t_ns)
     if past is None:
         return fixes

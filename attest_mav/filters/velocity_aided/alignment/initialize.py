@@ -15,13 +15,14 @@ from attest_mav.filters.velocity_aided.aids.zero_motion import initial_stationar
 from attest_mav.filters.velocity_aided.alignment.solve import AlignmentMethod, InitialState
 from attest_mav.filters.velocity_aided.control import NO_FALLBACK
 from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock, diagonal_covariance
+from attest_mav.filters.velocity_aided.lags import first_lag_covariance, nominal_fix_lag_s, nominal_mag_lag_s
 from attest_mav.filters.velocity_aided.nav_state import NavigationState
 from attest_mav.filters.velocity_aided.navigation import AidingMode, Navigation
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.prediction import initial_memory
 from attest_mav.filters.velocity_aided.reading import Reading
 from attest_mav.matrices import diagonal
-from attest_mav.types import Vec3
+from attest_mav.types import Vec3, VelocityOrigin
 
 UNKNOWN_DECLINATION: Final = 0.3
 """rad: 1-sigma; where people fly, magnetic north is rarely further from true north."""
@@ -90,11 +91,6 @@ def _first_state(
 ) -> NavigationState:
     """The state of a first start. bias: of the gyro, rad/s."""
     declination_sigma = parameters.declination_sigma if declination_known else UNKNOWN_DECLINATION
-    delays = (
-        (parameters.mag_delay_sigma**2, 0.0, 0.0),
-        (0.0, parameters.fix_delay_sigma**2, 0.0),
-        (0.0, 0.0, declination_sigma**2),
-    )
     zero: Vec3 = (0.0, 0.0, 0.0)
     return NavigationState(
         q_nb=initial.q_nb,
@@ -103,8 +99,8 @@ def _first_state(
         gyro_scale=zero,
         accel_bias=zero,
         hard_iron=zero,
-        mag_delay_s=parameters.mag_delay_s,
-        fix_delay_s=parameters.fix_delay_s,
+        mag_lag_s=nominal_mag_lag_s(parameters),
+        fix_lag_s=nominal_fix_lag_s(VelocityOrigin.RECEIVER, parameters),
         declination_error=0.0,
         covariance=diagonal_covariance(
             [
@@ -114,7 +110,7 @@ def _first_state(
                 diagonal(parameters.gyro_scale_sigma**2),
                 diagonal(parameters.accel_bias_sigma**2),
                 diagonal(parameters.hard_iron**2),
-                delays,
+                first_lag_covariance(declination_sigma, parameters),
             ]
         ),
     )
