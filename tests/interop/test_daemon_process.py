@@ -88,7 +88,7 @@ def test_systemd_sees_ready_watchdog_its_end_with_the_imus_and_stopping(start, c
     systemd.wait_for("WATCHDOG=1")
 
     assert sim.end() == 0
-    daemon.wait_for("no usable sample for 0.5 s: nothing is published")
+    daemon.wait_for("attitude withheld: samples stopped")
     systemd.forget()
     silent = [message for _ in range(3) for message in systemd.wait_for("STATUS=waiting")]
     assert "WATCHDOG=1" not in silent, "the loop runs, but it has nothing to filter"

@@ -3,6 +3,7 @@
 import socket
 import time
 
+import numpy as np
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
@@ -73,7 +74,10 @@ def test_it_answers_on_its_link(peer, link):
     messages = heard(peer)
     (answer,) = [one for one in messages if one.get_type() == "COMMAND_ACK"]
     assert (answer.command, answer.result) == (mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, mavlink.MAV_RESULT_ACCEPTED)
-    assert [one.get_type() for one in messages].count("RAW_IMU") == pytest.approx(30, abs=2)
+    after = messages[messages.index(answer) :]
+    times_us = [one.time_usec for one in after if one.get_type() == "RAW_IMU"]
+    assert len(times_us) > 10
+    assert np.diff(times_us[1:]) == pytest.approx(1e5, abs=2e4), "ten a second from the answer on"
 
 
 def test_the_stop_signal_ends_it_before_its_time(peer, link):

@@ -32,7 +32,7 @@ class FlightParameters:
     mag_delay_s: float = 0.055
     """s. Age of the magnetometer's reading at the time of its message; RAW_IMU repeats a mean of 10 Hz, which is 45 ms
     late when it is new, and 55 ms where a message of 50 Hz shows it first."""
-    mag_delay_sigma: float = 0.02
+    mag_delay_sigma: float = 0.03
     """s. 1-sigma of that delay at the start."""
     declination_sigma: float = radians(1.0)
     """rad. 1-sigma of the declination at the place together with the mounting of the compass."""
