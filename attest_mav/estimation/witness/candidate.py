@@ -15,7 +15,7 @@ from attest_mav.estimation.witness.flight_state import (
     with_delay_variance,
     with_velocity_unknown,
 )
-from attest_mav.estimation.witness.moments import Moment
+from attest_mav.estimation.witness.moments import Instant
 from attest_mav.filters.base import FilterState
 from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
 from attest_mav.filters.velocity_aided.filter import VelocityAided
@@ -111,7 +111,7 @@ class Candidate:
         self._fix_ns = -1
         self._used_ns = -1
 
-    def take(self, one: VelocityAided, moment: Moment) -> None:
+    def take(self, one: VelocityAided, moment: Instant) -> None:
         """Go on to the next moment."""
         if not self._begun and moment.t_ns >= self.hypothesis.from_ns:
             self._begun = True
@@ -153,7 +153,7 @@ class Candidate:
         self._used_ns = record.t_ns
         return record
 
-    def _score_field(self, moment: Moment) -> None:
+    def _score_field(self, moment: Instant) -> None:
         direction = field_direction(self.state, moment.sample) if has_field_reading(self.state) else None
         if direction is not None:
             self.score += self._field.score_of(self._field.residual_of(direction))

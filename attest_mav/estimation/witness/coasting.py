@@ -10,7 +10,7 @@ from typing import Final
 
 from attest_mav.algebra import sub
 from attest_mav.estimation.witness.contradiction import shifts_beside
-from attest_mav.estimation.witness.flight_state import FixRecord, fix_lag_of, velocity_of
+from attest_mav.estimation.witness.flight_state import FixRecord, fix_lag_of
 from attest_mav.estimation.witness.moments import Moments
 from attest_mav.types import Vec3
 
@@ -147,9 +147,9 @@ def velocity_at(moments: Moments, t_ns: int) -> Vec3:
     before, after = moments.around(t_ns)
     if before is None or after is None:
         nearest = before or after
-        return (0.0, 0.0, 0.0) if nearest is None else velocity_of(nearest.state)
+        return (0.0, 0.0, 0.0) if nearest is None else nearest.velocity
     share = (t_ns - before.t_ns) / (after.t_ns - before.t_ns)
-    a, b = velocity_of(before.state), velocity_of(after.state)
+    a, b = before.velocity, after.velocity
     return (a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2]))
 
 

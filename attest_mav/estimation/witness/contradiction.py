@@ -61,7 +61,7 @@ def run_again(
     limit = max(3.0, LIMIT_GATES * lane.fixes.gate)
     for moment in lane.moments.since(first_ns):
         if candidate is None:
-            if navigation_of(moment.before) is None:
+            if moment.before is None or navigation_of(moment.before) is None:
                 if moment.t_ns >= hypothesis.from_ns:
                     return None
                 continue

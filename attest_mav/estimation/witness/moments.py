@@ -1,4 +1,4 @@
-"""The last seconds of a lane: samples, inputs and states, so that any moment can be run again."""
+"""The last seconds of a lane: samples and inputs, and now and then a state, so that they can be run again."""
 
 from collections import deque
 from collections.abc import Iterator
@@ -6,71 +6,109 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
+from attest_mav.estimation.witness.flight_state import velocity_of
 from attest_mav.filters.base import FilterInputs, FilterState
 from attest_mav.samples import ImuSample
+from attest_mav.types import Vec3
 
 LENGTH_NS: Final = 11_000_000_000
-"""How far back a moment can be run again."""
+"""How far back a lane can be run again."""
+STATE_SPACING_NS: Final = 100_000_000
+"""A state is kept so often: to run again from an instant begins at the last one before it. All of them would be most
+of the daemon's memory."""
 
 
 @mypyc_attr(acyclic=True)  # as Sample
-class Moment:
+class Instant:
     """One sample of a lane. Its inputs have the newest fix as it came, used or not."""
 
-    def __init__(
-        self, t_ns: int, dt_s: float, sample: ImuSample, inputs: FilterInputs, before: FilterState, state: FilterState
-    ) -> None:
+    def __init__(self, t_ns: int, dt_s: float, sample: ImuSample, inputs: FilterInputs) -> None:
         self.t_ns: Final = t_ns
         self.dt_s: Final = dt_s
         """The step that led here, s."""
         self.sample: Final = sample
         self.inputs: Final = inputs
+
+
+@mypyc_attr(acyclic=True)
+class Moment(Instant):
+    """The newest sample of a lane."""
+
+    def __init__(
+        self, t_ns: int, dt_s: float, sample: ImuSample, inputs: FilterInputs, before: FilterState, state: FilterState
+    ) -> None:
+        super().__init__(t_ns, dt_s, sample, inputs)
         self.before: Final = before
         """The state before the step."""
         self.state: Final = state
         """The state after it."""
 
 
+@mypyc_attr(acyclic=True)
+class PastInstant(Instant):
+    """A sample that is remembered."""
+
+    def __init__(
+        self,
+        t_ns: int,
+        dt_s: float,
+        sample: ImuSample,
+        inputs: FilterInputs,
+        velocity: Vec3,
+        before: FilterState | None,
+    ) -> None:
+        super().__init__(t_ns, dt_s, sample, inputs)
+        self.velocity: Final = velocity
+        """The filter's own velocity after the step, NED, m/s."""
+        self.before: Final = before
+        """The state before the step where it is kept, else None."""
+
+
 class Moments:
-    """A ring of references, at most ``LENGTH_NS`` long."""
+    """A ring of instants, at most ``LENGTH_NS`` long; the first of them has a state."""
 
     def __init__(self) -> None:
-        self._ring: Final[deque[Moment]] = deque()
+        self.newest: Moment | None = None
+        """The last moment."""
+        self._ring: Final[deque[PastInstant]] = deque()
+        self._kept_ns = 0
 
     def append(self, moment: Moment) -> None:
         """Take the next moment. A clock that goes back begins anew."""
-        ring = self._ring
-        if ring and moment.t_ns <= ring[-1].t_ns:
+        ring, t_ns = self._ring, moment.t_ns
+        if ring and t_ns <= ring[-1].t_ns:
             ring.clear()
-        ring.append(moment)
-        while moment.t_ns - ring[0].t_ns > LENGTH_NS:
+        is_kept = not ring or t_ns - self._kept_ns >= STATE_SPACING_NS
+        if is_kept:
+            self._kept_ns = t_ns
+        velocity = velocity_of(moment.state)
+        before = moment.before if is_kept else None
+        ring.append(PastInstant(t_ns, moment.dt_s, moment.sample, moment.inputs, velocity, before))
+        self.newest = moment
+        while t_ns - ring[0].t_ns > LENGTH_NS or ring[0].before is None:
             ring.popleft()
 
-    def clear(self) -> None:
-        """Forget everything."""
-        self._ring.clear()
-
     @property
-    def newest(self) -> Moment | None:
-        """The last moment."""
-        return self._ring[-1] if self._ring else None
-
-    @property
-    def oldest(self) -> Moment | None:
-        """The first moment that is remembered."""
+    def oldest(self) -> PastInstant | None:
+        """The first instant that is remembered."""
         return self._ring[0] if self._ring else None
 
-    def since(self, t_ns: int) -> Iterator[Moment]:
-        """The moments from an instant on, old to new."""
-        for moment in self._ring:
-            if moment.t_ns >= t_ns:
-                yield moment
+    def since(self, t_ns: int) -> Iterator[PastInstant]:
+        """The instants from the last kept state before an instant on, or from the first one, old to new."""
+        first_ns = t_ns
+        for past in reversed(self._ring):
+            first_ns = past.t_ns
+            if past.before is not None and past.t_ns <= t_ns:
+                break
+        for past in self._ring:
+            if past.t_ns >= first_ns:
+                yield past
 
-    def around(self, t_ns: int) -> tuple[Moment | None, Moment | None]:
-        """The last moment before an instant and the first one from it on; None where there is none."""
-        after: Moment | None = None
-        for moment in reversed(self._ring):
-            if moment.t_ns < t_ns:
-                return moment, after
-            after = moment
+    def around(self, t_ns: int) -> tuple[PastInstant | None, PastInstant | None]:
+        """The last instant before one and the first one from it on; None where there is none."""
+        after: PastInstant | None = None
+        for past in reversed(self._ring):
+            if past.t_ns < t_ns:
+                return past, after
+            after = past
         return None, after

@@ -166,9 +166,9 @@ class Witness:
         """A sensor is at fault: its filter stands still from now on."""
         lane.standing = Standing.ASIDE
         lane.aside_reason = reason
-        before = lane.moments.oldest
-        if before is not None:
-            lane.gyro_bias, lane.accel_bias = before.state.gyro_bias, accel_bias(before.state)
+        oldest = lane.moments.oldest
+        if oldest is not None and oldest.before is not None:
+            lane.gyro_bias, lane.accel_bias = oldest.before.gyro_bias, accel_bias(oldest.before)
         self._end_disputes(lane)
         for pair in self._pairs:
             if pair.has(lane):
