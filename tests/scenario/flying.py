@@ -78,10 +78,13 @@ def corrected(vehicle, sample):
     return sample
 
 
-def fly(until_s, filter_name="gradient-descent", faults=(), *, right=False, armed=False, **choices):
+def fly(
+    until_s, filter_name="gradient-descent", faults=(), *, right=False, armed=False, heard=None, meddle=None, **choices
+):
     """One flight: advance to whichever deadline is next, the vehicle's or the pipeline's.
 
     right: the autopilot's attitudes are the truth, whatever misleads it. armed: a vehicle that stands is armed too.
+    heard: a sample as it is heard, or None. meddle: called with the pipeline and the time, ns, after every deadline.
     """
     settings = SimSettings(**({"fast_rate_hz": 50.0} | choices), faults=parse_faults(faults))
     dialect = load_dialect()
@@ -98,8 +101,12 @@ def fly(until_s, filter_name="gradient-descent", faults=(), *, right=False, arme
         now_ns = min(vehicle.next_deadline_ns, pipeline.next_deadline_ns or 2**62)
         events = []
         for frame in framer.feed(b"".join(vehicle.frames_until(now_ns)), now_ns):
-            for sample in decoder.decode(frame):
-                events += pipeline.handle(corrected(vehicle, sample) if right else sample)
+            for sent in decoder.decode(frame):
+                sample = heard(sent) if heard else sent
+                if sample is not None:
+                    events += pipeline.handle(corrected(vehicle, sample) if right else sample)
+        if meddle:
+            meddle(pipeline, now_ns)
         events += pipeline.poll(now_ns)
         made = [e for e in events if isinstance(e, Estimate)]
         flight.estimates += made

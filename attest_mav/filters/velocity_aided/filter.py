@@ -33,6 +33,7 @@ from attest_mav.filters.velocity_aided.reset import (
     LONGEST_GAP_S,
     MAX_TILT_SIGMA,
     after_gap,
+    is_impossible,
     is_lost,
     reset_sigma_after,
     reset_sigma_decay,
@@ -116,7 +117,7 @@ class VelocityAided(AttitudeFilter):
         if not nav.is_valid:
             start = new_alignment(reading, sample.t_ns)
             return _aligning_state(before.q_nb, (0.0, 0.0, 0.0), start, None, 0.0, False, 0.0)
-        contradicted = navigation.gnss.mean_nis > parameters.restart_nis
+        contradicted = navigation.gnss.mean_nis > parameters.restart_nis or is_impossible(navigation)
         if contradicted or nav.tilt_sigma > MAX_TILT_SIGMA:
             # The velocity contradicts the attitude for too long, or too much was hidden by a saturated sensor.
             start = new_alignment(reading, sample.t_ns)

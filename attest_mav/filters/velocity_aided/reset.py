@@ -7,7 +7,7 @@ Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Syst
 from math import exp
 from typing import Final
 
-from attest_mav.algebra import heading_between, tilt_between
+from attest_mav.algebra import dot, heading_between, tilt_between
 from attest_mav.filters.base import FilterInputs
 from attest_mav.filters.velocity_aided.alignment.solve import ASSUMED_GRAVITY_TILT, AlignmentMethod
 from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
@@ -31,6 +31,17 @@ frozen). Their difference is added to both sigmas and decays with this time cons
 The same is done after a start in motion without a velocity."""
 RESET_SIGMA_GRAVITY_S: Final = 60.0
 """The same while gravity is the only aid, s: the accelerations of some turns must cancel."""
+
+
+IMPOSSIBLE_SPEED: Final = 150.0
+"""m/s: a velocity that is carried on without fixes beyond this is no motion: gravity accumulates along a wrong
+direction, and passes this in 15 s."""
+
+
+def is_impossible(navigation: Navigation) -> bool:
+    """Whether the velocity without fixes is one that no such vehicle has, so that the attitude cannot be right."""
+    v = navigation.estimate.velocity
+    return navigation.mode == AidingMode.COASTING and dot(v, v) > IMPOSSIBLE_SPEED**2
 
 
 def is_lost(dt_s: float, inputs: FilterInputs) -> bool:
