@@ -59,6 +59,20 @@ class ClockSample(Sample):
         self.unix_us: Final = unix_us
 
 
+class TimeExchange:
+    """One question for the autopilot's time with its answer (TIMESYNC).
+
+    sent_ns, rx_ns: the host's clock when the question was sent and when the answer came. autopilot_ns: the autopilot's
+    in between.
+    """
+
+    def __init__(self, sent_ns: int, autopilot_ns: int, rx_ns: int) -> None:
+        self.round_trip_ns: Final = rx_ns - sent_ns
+        self.offset_ns: Final = (sent_ns + rx_ns) // 2 - autopilot_ns
+        """Host minus autopilot, in the middle of what is possible."""
+        self.rx_ns: Final = rx_ns
+
+
 @mypyc_attr(acyclic=True)  # as Sample
 class ParameterSample(Sample):
     """PARAM_VALUE of a parameter that tells a setting. ``name`` is the autopilot's; PARAM_VALUE carries no time.

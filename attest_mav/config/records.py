@@ -123,6 +123,8 @@ class EstimateConfig(_Record, frozen=True):
 
     stale_s: Annotated[float, Meta(ge=0.05, le=60.0)] = 0.5
     """Age above which an estimate is not published, s."""
+    timesync: bool = True
+    """Ask the autopilot for its time, so that ages are measured."""
     declination_deg: Literal["auto"] | Annotated[float, Meta(ge=-180.0, le=180.0)] = "auto"
     """Magnetic declination, degrees, east positive; auto looks it up at the vehicle's position."""
 

@@ -1,34 +1,53 @@
-"""Delay of a sample beyond the usual delay of its link.
+"""Delay of a sample: measured where the autopilot tells its time, else beyond the usual delay of its link.
 
-The two clocks have nothing in common but that they run alike, so only changes can be seen: the least recent difference
-between arrival and timestamp is the quickest that a sample has come, and what exceeds it is delay. That is how a
-backlog shows (a link that stalls, a host that sleeps): its samples arrive together, and are as old as they are.
+With a known offset of the clocks a sample's age is its arrival, minus the offset, minus its timestamp. Without one only
+changes can be seen: the least recent difference between arrival and timestamp is the quickest that a sample has come,
+and what exceeds it is delay. That is how a backlog shows (a link that stalls, a host that sleeps): its samples arrive
+together, and are as old as they are.
 """
 
 from typing import Final
 
-FORGETTING: Final = 0.5
-"""The least difference grows at this rate, s/s: a sensor clock that runs slow is no backlog. Crystals need a
-ten-thousandth of it; simulators on a busy computer run at two thirds of real time."""
-FORGETTING_STEP_S: Final = 0.1
+from attest_mav.estimation.clock_offset import ClockOffset
+from attest_mav.estimation.timebase import wrapped_difference_ns
+
+RECORDED_DRIFT: Final = 0.5
+"""For times of arrival in a log the least difference grows at this rate, s/s: recorders' clocks are set and copies
+squeeze their times, simulators on a busy computer run at two thirds of real time, and nobody takes old for new."""
+DRIFT_STEP_S: Final = 0.1
 """Silence makes it grow for no longer than this: after a stall the backlog must still be seen whole."""
+
+EARLIEST_NS: Final = -1_000_000_000
+LATEST_NS: Final = 1_000_000_000_000
+"""An age outside of these is none: the timestamps do not come from the clock that answers."""
 
 
 class DelayMeter:
-    """Follows one lane."""
+    """Follows one lane. clock: the vehicle's. drift: growth of the least difference, s/s."""
 
-    def __init__(self) -> None:
-        self._least_ns = 0
+    def __init__(self, clock: ClockOffset, drift: float = RECORDED_DRIFT) -> None:
+        self.least_ns = 0
+        """The smallest recent arrival minus timestamp, ns; no meaning before the first sample."""
+        self._clock: Final = clock
+        self._drift: Final = drift
         self._last_rx_ns = -1
 
     def delay_s(self, t_ns: int, rx_ns: int) -> float:
-        """How much later than the quickest this sample came, s; t_ns by the sensor's clock, rx_ns by the host's."""
+        """How late this sample came, s; t_ns by the sensor's clock, rx_ns by the host's."""
         difference_ns = rx_ns - t_ns
         if self._last_rx_ns < 0:
-            self._least_ns = difference_ns
+            self.least_ns = difference_ns
         else:
-            silence_s = min((rx_ns - self._last_rx_ns) * 1e-9, FORGETTING_STEP_S)
-            grown_ns = self._least_ns + int(1e9 * FORGETTING * max(0.0, silence_s))
-            self._least_ns = min(grown_ns, difference_ns)
+            silence_s = min((rx_ns - self._last_rx_ns) * 1e-9, DRIFT_STEP_S)
+            grown_ns = self.least_ns + int(1e9 * self._drift * max(0.0, silence_s))
+            self.least_ns = min(grown_ns, difference_ns)
         self._last_rx_ns = rx_ns
-        return (difference_ns - self._least_ns) * 1e-9
+        clock = self._clock
+        if clock.is_known:
+            age_ns = wrapped_difference_ns(difference_ns, clock.offset_ns(rx_ns))
+            if EARLIEST_NS <= age_ns <= LATEST_NS:
+                # No sample comes before it was taken: a smaller difference was that of another setting of the clock.
+                least_ns = difference_ns - max(0, age_ns + clock.uncertainty_ns(rx_ns))
+                self.least_ns = max(self.least_ns, least_ns)
+                return max(0, age_ns) * 1e-9
+        return (difference_ns - self.least_ns) * 1e-9

@@ -37,6 +37,10 @@ class LaneEventKind(IntEnum):
     """The explanation that is believed: a receiver that makes no sense, is off or late, or sensors that stepped."""
     RECEIVER_USED = 13
     """The receiver makes sense again."""
+    DELAYED = 14
+    """Samples come, but later than the configured time: nothing is published."""
+    IN_TIME = 15
+    """They come in time again."""
 
 
 class LaneEvent:

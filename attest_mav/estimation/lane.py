@@ -5,7 +5,7 @@ from typing import Final
 
 from attest_mav.algebra import is_finite, norm, q_norm
 from attest_mav.estimation.alignment import Aligner, ecompass
-from attest_mav.estimation.delay import DelayMeter
+from attest_mav.estimation.delay import RECORDED_DRIFT, DelayMeter
 from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind
 from attest_mav.estimation.filter_run import FilterRun, field_heading
 from attest_mav.estimation.lane_inputs import LaneInputs
@@ -25,19 +25,25 @@ HEADING_CAPTURE: Final = 0.09
 
 
 class Lane:
-    """Samples of one source in, estimates and events out. stepper: takes the filter's steps.
+    """Samples of one source in, estimates and events out. stepper: takes the filter's steps. drift: of ``DelayMeter``.
 
-    Counters: samples (taken), repeats (same timestamp), late (out of order), gaps, restarts, rejected (not finite),
-    frozen (repeated by a frozen sensor).
+    Counters: samples (taken), repeats (same timestamp), late (out of order), strays (with a timestamp that nothing
+    confirmed), gaps, restarts, rejected (not finite), frozen (repeated by a frozen sensor).
     """
 
     def __init__(
-        self, source: str, attitude_filter: AttitudeFilter, vehicle: Vehicle, stepper: Stepper | None = None
+        self,
+        source: str,
+        attitude_filter: AttitudeFilter,
+        vehicle: Vehicle,
+        stepper: Stepper | None = None,
+        drift: float = RECORDED_DRIFT,
     ) -> None:
         self.source: Final = source
         self.samples = 0
         self.repeats = 0
         self.late = 0
+        self.strays = 0
         self.gaps = 0
         self.restarts = 0
         self.rejected = 0
@@ -49,7 +55,10 @@ class Lane:
         self._run.set_vehicle_settings(vehicle.settings)
         self._timebase = TimeBase()
         self._aligner = Aligner()
-        self._delay = DelayMeter()
+        self.delay_s = 0.0
+        """How late the newest sample came, s."""
+        self._drift: Final = drift
+        self._delay = DelayMeter(vehicle.clock, drift)
         self._freeze = FreezeDetector()
         self._field = StuckMagnetometer()
         self._aligned = False
@@ -60,6 +69,11 @@ class Lane:
     def aligned(self) -> bool:
         """True once a filter runs that does not align itself."""
         return self._aligned
+
+    @property
+    def is_jumping(self) -> bool:
+        """Whether the newest timestamp does not follow from those before it, and is not confirmed yet."""
+        return self._timebase.is_jumping
 
     @property
     def interval_s(self) -> float:
@@ -86,9 +100,10 @@ class Lane:
         if not is_finite(sample.gyro):
             self.rejected += 1
             return events
-        step = self._timebase.advance(sample.t_ns)
+        step = self._timebase.advance(sample.t_ns, sample.rx_ns, self._delay.least_ns)
         if not self._in_order(step, sample, events):
             return events
+        self.delay_s = self._delay.delay_s(step.t_ns, sample.rx_ns)
         self.samples += 1
         if self._freeze.frozen(sample, step.dt_s):
             self._hold_frozen(sample, step.dt_s, events)
@@ -115,6 +130,9 @@ class Lane:
         if kind == StepKind.LATE:
             self.late += 1
             return False
+        if kind == StepKind.STRAY:
+            self.strays += 1
+            return False
         if kind == StepKind.GAP:
             self.gaps += 1
             self._tell(events, LaneEventKind.GAP, sample, f"no samples for {step.dt_s:.2f} s")
@@ -133,7 +151,8 @@ class Lane:
         self._aligned = False
         self._aligner = Aligner()
         if kind == LaneEventKind.REBOOTED:
-            self._delay = DelayMeter()
+            self._vehicle.clock.forget()
+            self._delay = DelayMeter(self._vehicle.clock, self._drift)
         self._tell(events, kind, sample, text)
 
     def _hold_frozen(self, sample: ImuSample, dt_s: float, events: list[Event]) -> None:
@@ -206,12 +225,11 @@ class Lane:
 
     def _estimate(self, sample: ImuSample, step: TimeStep, events: list[Event]) -> None:
         """Append the filter's estimate at this sample."""
-        delay_s = self._delay.delay_s(step.t_ns, sample.rx_ns)
         run, state = self._run, self._run.state
         runs = self._aligned or run.filter.aligns_itself
         if state is not None and runs and state.aligned:
             declination = self._vehicle.field.declination
-            events.append(run.estimate(self.source, state, sample, step.t_ns, step.dt_s, delay_s, declination))
+            events.append(run.estimate(self.source, state, sample, step.t_ns, step.dt_s, self.delay_s, declination))
 
     def _tell(self, events: list[Event], kind: LaneEventKind, sample: ImuSample, text: str) -> None:
         events.append(LaneEvent(self.source, kind, sample.t_ns, sample.rx_ns, text))

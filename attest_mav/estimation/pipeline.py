@@ -13,7 +13,9 @@ from typing import Final
 
 from attest_mav.estimate import Estimate
 from attest_mav.estimation.attitude_check import STALE_INTERVALS, AttitudeCheck
+from attest_mav.estimation.delay import RECORDED_DRIFT
 from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
+from attest_mav.estimation.freshness import FreshnessWatch
 from attest_mav.estimation.imu_frame import ImuFrame
 from attest_mav.estimation.lane import Lane
 from attest_mav.estimation.vehicle import AidSettings, Vehicle
@@ -28,6 +30,8 @@ from attest_mav.vehicle_settings import Setting, VehicleSettings
 
 _NS: Final = 1_000_000_000
 
+DOUBTED_SHARE: Final = 0.5
+"""Delays above this share of ``PipelineSettings.stale_s`` are worth a question for the autopilot's time."""
 MOVED_TRIM: Final = radians(1.0)
 """A trim that changes in flight by more is no fine adjustment."""
 
@@ -38,13 +42,15 @@ class PipelineSettings:
 
     stale_s: without a sample for this long there is no estimate, and one that comes later than this does not hold.
     max_sigma: above this tilt sigma an estimate is not published, rad. verdict: thresholds of the comparison with the
-    autopilot. aids: what aids the filters.
+    autopilot. aids: what aids the filters. drift: how fast the autopilot's clock may run apart from the one of the
+    arrivals, s/s.
     """
 
     stale_s: float = 0.5
     max_sigma: float = radians(3.0)
     verdict: VerdictSettings = field(default_factory=VerdictSettings)
     aids: AidSettings = field(default_factory=AidSettings)
+    drift: float = RECORDED_DRIFT
 
 
 class Pipeline:
@@ -72,6 +78,8 @@ class Pipeline:
         self._settings = settings
         self._filter = attitude_filter
         self._sources = list(sources)
+        self.freshness: Final = FreshnessWatch()
+        """Whether the samples of the selected lane come in time."""
         self._check = AttitudeCheck(settings.verdict)
         self._trims_in_flight: dict[Setting, float] = {}
         """The trims of this flight before they were changed, rad."""
@@ -86,6 +94,12 @@ class Pipeline:
         """Whether ``estimate`` may be published: it is certain enough, and nothing contradicts it."""
         estimate = self.estimate
         return estimate is not None and not (self.is_contradicted or estimate.tilt_sigma > self._settings.max_sigma)
+
+    @property
+    def doubts_clock(self) -> bool:
+        """Whether the clocks of autopilot and host ought to be compared: samples come late, or their clock jumps."""
+        lane = self.lanes.get(self.selected)
+        return lane is not None and (lane.delay_s > DOUBTED_SHARE * self._settings.stale_s or lane.is_jumping)
 
     @property
     def is_contradicted(self) -> bool:
@@ -166,8 +180,7 @@ class Pipeline:
             return [*self._check.poll(now_ns)]
         self.estimate = None
         self._check.judge.forget_estimate()
-        text = f"no usable sample for {1e-9 * self._stale_ns():.3g} s"
-        stopped = LaneEvent(estimate.lane, LaneEventKind.STOPPED, estimate.t_ns, now_ns, text)
+        stopped = self.freshness.stopped(estimate, now_ns, self._stale_ns())
         return [stopped, self._check.undecided("no-estimate", now_ns)]
 
     @property
@@ -194,7 +207,7 @@ class Pipeline:
         lane = self.lanes.get(source)
         if lane is None:
             stepper = None if self._witness is None else self._witness.watch(source)
-            lane = Lane(source, self._filter, self.vehicle, stepper)
+            lane = Lane(source, self._filter, self.vehicle, stepper, self._settings.drift)
             self.lanes[source] = lane
         taken, restarts = lane.samples, lane.restarts
         events = lane.handle(sample)
@@ -208,6 +221,7 @@ class Pipeline:
                 self.lanes[self.selected].continue_sign(self.estimate.q_nb)
             if source == self.selected:
                 events += self._follow_selected(events)
+                events += self.freshness.take(sample, lane.delay_s, 1e-9 * self._stale_ns())
         return events
 
     def _forget_if_rebooted(self, events: list[Event]) -> None:

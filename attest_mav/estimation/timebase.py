@@ -1,4 +1,8 @@
-"""Time steps from the timestamps that the messages carry: gaps, repeats, reordering, wraps and reboots."""
+"""Time steps from the timestamps that the messages carry: gaps, repeats, reordering, wraps, reboots and stray stamps.
+
+A stamp that does not follow from those before it is not believed at once. It begins a pending jump, which the stamps
+that come next confirm, by continuing from it, or refute, by continuing from where the time was.
+"""
 
 from enum import IntEnum
 from typing import Final
@@ -15,15 +19,21 @@ RESTART_S: Final = 1.0
 """After a longer gap the motion in between is lost: the filter starts again. A stream of 1 Hz has no gaps in it."""
 LONGEST_STEP_S: Final = 3.0
 """After a longer step it is lost whatever the stream's interval is."""
-LATE_LIMIT: Final = 10
-"""So many late samples in a row are no disorder: the clock has been set back, by less than a reboot shows."""
+
+EARLY_PERIODS: Final = 5.0
+"""A step forward by more usual steps (or more than ``RESTART_S``), with a stamp that is early by more of them too, does
+not follow: no sample can come before it was taken. After a true gap the arrival is as far ahead as the stamp."""
+LATE_NS: Final = 1_000_000_000
+"""A stamp further back than this is stray, a nearer one late: out of order."""
+CONFIRMING_NS: Final = 600_000_000
+"""A jump is confirmed by stamps that continue from it for this long. Shorter stretches are disorder, or sent twice."""
+BURST_NS: Final = 5_000_000_000
+"""Stamps that arrive in less than half of ``CONFIRMING_NS`` are a backlog that is sent twice, unless they span this."""
 
 WRAP_NS: Final = (1 << 32) * 1_000_000
 """Millisecond clocks of 32 bits wrap after 49.7 days."""
 WRAP_WINDOW_NS: Final = 60_000_000_000
-"""A backward jump is a wrap only if the clock, continued past the wrap, would have moved on by at most this."""
-
-_RESTART_NS: Final = 1_000_000_000
+"""A jump is a wrap only if the clock, continued past the wrap, would have moved by at most this."""
 
 
 class StepKind(IntEnum):
@@ -37,11 +47,13 @@ class StepKind(IntEnum):
     RESTART = 3
     """A longer one."""
     REBOOT = 4
-    """The clock went back: by more than a second, or for ``LATE_LIMIT`` samples."""
+    """The clock went back, as the stamps after it have confirmed."""
     REPEAT = 5
     """The same timestamp again: the same sample again."""
     LATE = 6
     """Up to a second back: out of order, to be dropped."""
+    STRAY = 7
+    """Further back, or ahead of its own arrival: to be dropped, unless the next stamps continue from it."""
 
 
 @mypyc_attr(acyclic=True)  # as Sample
@@ -62,6 +74,22 @@ def wrapped_difference_ns(a_ns: int, b_ns: int) -> int:
     return (a_ns - b_ns + WRAP_NS // 2) % WRAP_NS - WRAP_NS // 2
 
 
+class _PendingJump:
+    """A stamp that did not follow, and those that have continued from it."""
+
+    def __init__(self, t_ns: int, rx_ns: int) -> None:
+        self.first_ns: Final = t_ns
+        self.last_ns = t_ns
+        self.rx_ns: Final = rx_ns
+
+    def is_confirmed(self, rx_ns: int) -> bool:
+        """Whether the stamps so far span enough, on both clocks."""
+        span_ns = self.last_ns - self.first_ns
+        if span_ns < CONFIRMING_NS:
+            return False
+        return 2 * (rx_ns - self.rx_ns) >= CONFIRMING_NS or span_ns >= BURST_NS
+
+
 class TimeBase:
     """Classifies the timestamps of one lane, in order of arrival."""
 
@@ -70,31 +98,66 @@ class TimeBase:
         self._wrapped_ns = 0
         self.usual_s = 0.0
         """The usual step, s; 0 while it is not known."""
-        self._late_count = 0
+        self._jump: _PendingJump | None = None
 
-    def advance(self, t_ns: int) -> TimeStep:
-        """Classify the next timestamp (ns, as the message carries it). REPEAT and LATE leave the time as it was."""
-        now_ns = t_ns + self._wrapped_ns
-        if self._last_ns < 0:
-            self._last_ns = now_ns
-            return TimeStep(StepKind.FIRST, 0.0, now_ns)
+    @property
+    def is_jumping(self) -> bool:
+        """Whether a jump is pending: the newest stamp did not follow."""
+        return self._jump is not None
+
+    def advance(self, t_ns: int, rx_ns: int, least_ns: int) -> TimeStep:
+        """Classify the next timestamp (ns, as the message carries it). REPEAT, LATE and STRAY leave the time as it was.
+
+        rx_ns: its arrival, host clock. least_ns: the smallest recent arrival minus stamp; no meaning before the first
+        step.
+        """
+        now_ns = self._unwrapped(t_ns)
         delta_ns = now_ns - self._last_ns
-        if 0 < delta_ns + WRAP_NS <= WRAP_WINDOW_NS:
-            self._wrapped_ns += WRAP_NS
-            now_ns += WRAP_NS
-            delta_ns += WRAP_NS
-        if delta_ns == 0:
+        if self._last_ns < 0:
+            kind = StepKind.FIRST
+        elif delta_ns == 0:
             return TimeStep(StepKind.REPEAT, 0.0, now_ns)
-        if -_RESTART_NS <= delta_ns < 0 and self._late_count < LATE_LIMIT:
-            self._late_count += 1
-            return TimeStep(StepKind.LATE, 0.0, now_ns)
-        self._late_count = 0
+        elif delta_ns > 0 and not self._is_early(delta_ns, least_ns - (rx_ns - now_ns)):
+            kind = self._kind(delta_ns * 1e-9)
+        elif not self._is_confirmed(now_ns, rx_ns):
+            return TimeStep(StepKind.LATE if -LATE_NS <= delta_ns < 0 else StepKind.STRAY, 0.0, now_ns)
+        elif delta_ns < 0:
+            kind, now_ns = StepKind.REBOOT, t_ns
+        else:
+            kind = self._kind(delta_ns * 1e-9)
+        self._jump = None
         self._last_ns = now_ns
-        if delta_ns < 0:
-            self._wrapped_ns = 0
-            self._last_ns = t_ns
-            return TimeStep(StepKind.REBOOT, 0.0, t_ns)
-        return TimeStep(self._kind(delta_ns * 1e-9), delta_ns * 1e-9, now_ns)
+        self._wrapped_ns = now_ns - t_ns
+        is_step = kind in (StepKind.STEP, StepKind.GAP, StepKind.RESTART)
+        return TimeStep(kind, delta_ns * 1e-9 if is_step else 0.0, now_ns)
+
+    def _unwrapped(self, t_ns: int) -> int:
+        """The timestamp on the clock that does not wrap, beside the newest one."""
+        now_ns = t_ns + self._wrapped_ns
+        delta_ns = now_ns - self._last_ns
+        if self._last_ns >= 0 and 0 < delta_ns + WRAP_NS <= WRAP_WINDOW_NS:
+            return now_ns + WRAP_NS
+        if self._wrapped_ns > 0 and -WRAP_WINDOW_NS <= delta_ns - WRAP_NS < 0:
+            return now_ns - WRAP_NS
+        return now_ns
+
+    def _is_early(self, delta_ns: int, early_ns: int) -> bool:
+        """Whether a step forward by delta does not follow. early_ns: before the quickest arrival, ns."""
+        limit_s = min(EARLY_PERIODS * self.usual_s, RESTART_S) if self.usual_s > 0.0 else RESTART_S
+        limit_ns = 1e9 * limit_s
+        return delta_ns > limit_ns and early_ns > limit_ns
+
+    def _is_confirmed(self, now_ns: int, rx_ns: int) -> bool:
+        """Take a stamp that does not follow: whether it confirms the pending jump. It begins one otherwise."""
+        jump = self._jump
+        since_ns = 0 if jump is None else now_ns - jump.last_ns
+        if jump is None or not -LATE_NS <= since_ns <= int(1e9 * max(RESTART_S, GAP_PERIODS * self.usual_s)):
+            self._jump = _PendingJump(now_ns, rx_ns)
+            return False
+        if since_ns <= 0:
+            return False  # out of order, or repeated, within what follows from the jump
+        jump.last_ns = now_ns
+        return jump.is_confirmed(rx_ns)
 
     def _kind(self, dt_s: float) -> StepKind:
         """STEP, GAP or RESTART, by the length of a forward step; updates the usual one."""

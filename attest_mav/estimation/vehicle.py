@@ -11,6 +11,7 @@ from math import isfinite, nan, pi
 from typing import Final
 
 from attest_mav.algebra import norm, rotate_back
+from attest_mav.estimation.clock_offset import ClockOffset
 from attest_mav.estimation.self_report import SelfReport
 from attest_mav.filters.base import Airspeed, BodyVelocity
 from attest_mav.samples import AirDataSample, PositionSample, Sample, VelocitySample
@@ -87,6 +88,8 @@ class Vehicle:
         """The word of the autopilot's landing detector; None while it gives none."""
         self.self_report = SelfReport()
         """What the autopilot says of itself."""
+        self.clock: Final = ClockOffset()
+        """Its clock against the host's."""
         self.latitude = nan
         """rad, NaN while there was no position."""
         self._settings = settings

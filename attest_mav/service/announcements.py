@@ -18,12 +18,14 @@ from attest_mav.service.status import VERDICT_WORDS, verdict_text
 
 LANE_WARNINGS: Final = {
     LaneEventKind.STOPPED,
+    LaneEventKind.DELAYED,
     LaneEventKind.FROZEN,
     LaneEventKind.REBOOTED,
     LaneEventKind.HEADING_LOST,
     LaneEventKind.FAULTY,
     LaneEventKind.EXPLAINED,
 }
+LANE_STOPS: Final = {LaneEventKind.STOPPED, LaneEventKind.DELAYED}
 LANE_NOTICES: Final = {LaneEventKind.HEADING_FOUND, LaneEventKind.RETURNED, LaneEventKind.RECEIVER_USED}
 """Events of a lane that are announced; those that stop publishing are announced as that."""
 
@@ -40,7 +42,7 @@ class Announcements:
         text = f"{event.lane}: {event.text}"
         is_warning = event.kind in LANE_WARNINGS
         self._note(is_warning, text)
-        if event.kind == LaneEventKind.STOPPED or not (is_warning or event.kind in LANE_NOTICES):
+        if event.kind in LANE_STOPS or not (is_warning or event.kind in LANE_NOTICES):
             return
         self._announce(event.lane, MAV_SEVERITY_WARNING if is_warning else MAV_SEVERITY_NOTICE, text)
 

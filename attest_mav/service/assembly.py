@@ -10,6 +10,7 @@ from typing import Final
 from attest_mav.config.link_url import Scheme, parse_link
 from attest_mav.config.records import AidingConfig, Config, LinkConfig, RawImuConfig, StreamsConfig, VerdictConfig
 from attest_mav.errors import ConfigError, UsageError
+from attest_mav.estimation.clock_offset import DRIFT
 from attest_mav.estimation.pipeline import PipelineSettings
 from attest_mav.estimation.vehicle import AidSettings
 from attest_mav.estimation.verdict import VerdictSettings
@@ -45,6 +46,7 @@ def pipeline_settings(config: Config) -> PipelineSettings:
         radians(config.output.max_sigma_deg),
         _verdict_settings(config.verdict),
         _aid_settings(config.aiding),
+        DRIFT,
     )
 
 
@@ -52,7 +54,14 @@ def companion_settings(config: Config) -> CompanionSettings:
     """Our ids, the rate of the attitude, and the messages to ask for."""
     output = config.output
     data = _data_settings(config)
-    return CompanionSettings(config.vehicle.system_id, output.system_id, output.component_id, output.rate_hz, data)
+    return CompanionSettings(
+        config.vehicle.system_id,
+        output.system_id,
+        output.component_id,
+        output.rate_hz,
+        data,
+        config.estimate.timesync,
+    )
 
 
 def port_settings(link: LinkConfig) -> PortSettings:

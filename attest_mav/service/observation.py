@@ -1,5 +1,6 @@
 """Parts of the service as records of a snapshot."""
 
+from attest_mav.estimation.clock_offset import ClockOffset
 from attest_mav.estimation.lane import Lane
 from attest_mav.estimation.pipeline import Pipeline
 from attest_mav.estimation.vehicle import Vehicle
@@ -8,7 +9,15 @@ from attest_mav.mavlink.component.ports import Port
 from attest_mav.mavlink.component.stream import Stream
 from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.wire.framer import Framer
-from attest_mav.service.snapshot import LaneSnapshot, LinkSnapshot, Refusal, StreamSnapshot, Traffic, VehicleSnapshot
+from attest_mav.service.snapshot import (
+    ClockSnapshot,
+    LaneSnapshot,
+    LinkSnapshot,
+    Refusal,
+    StreamSnapshot,
+    Traffic,
+    VehicleSnapshot,
+)
 
 
 def link_snapshot(framer: Framer, port: Port, traffic: Traffic) -> LinkSnapshot:
@@ -57,6 +66,11 @@ def refusals(decoder: Decoder) -> tuple[Refusal, ...]:
     return tuple(Refusal(name, reasons.get(name, ""), counts.get(name, 0)) for name in sorted(reasons | counts))
 
 
+def clock_snapshot(clock: ClockOffset, answers: int) -> ClockSnapshot:
+    """The autopilot's clock; ``answers`` of TIMESYNC."""
+    return ClockSnapshot(answers, clock.round_trip_s, clock.skew, clock.jumps)
+
+
 def lane_snapshots(pipeline: Pipeline | None) -> tuple[LaneSnapshot, ...]:
     """All lanes; none without a pipeline."""
     if pipeline is None:
@@ -75,6 +89,8 @@ def _lane_snapshot(lane: Lane, pipeline: Pipeline) -> LaneSnapshot:
         samples=lane.samples,
         repeats=lane.repeats,
         late=lane.late,
+        strays=lane.strays,
+        delay_s=lane.delay_s,
         rejected=lane.rejected,
         frozen=lane.frozen,
         gaps=lane.gaps,

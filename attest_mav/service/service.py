@@ -25,6 +25,7 @@ from attest_mav.samples import ImuSample, PositionSample, Sample
 from attest_mav.service.announcements import Announcements
 from attest_mav.service.field_lookup import FieldFinder, FieldLookup
 from attest_mav.service.observation import (
+    clock_snapshot,
     lane_snapshots,
     link_snapshot,
     refusals,
@@ -97,6 +98,8 @@ class Service:
                 for sample in self._decoder.decode(frame):
                     self._take(sample, now_ns)
             else:
+                for exchange in companion.timesync.take():
+                    self._vehicle.clock.take(exchange)
                 self.due_ns = now_ns  # a heartbeat, an answer, a command: something may follow from it
 
     def link_restarted(self, link: int) -> None:
@@ -151,6 +154,8 @@ class Service:
             not_independent=frozenset(name for name, independent in decoder.independent.items() if not independent),
             refusals=refusals(decoder),
             samples=self._samples,
+            clock=clock_snapshot(self._vehicle.clock, companion.timesync.answers),
+            late_by_s=0.0 if self._pipeline is None else self._pipeline.freshness.late_by_s,
             lanes=lane_snapshots(self._pipeline),
             verdict=self._verdicts.standing,
             withheld="" if self.estimate is None else self._publisher.reason,
@@ -176,6 +181,9 @@ class Service:
             self._vehicle.take(sample)
         else:
             self._act(self._pipeline.handle(sample), now_ns)
+            if self._pipeline.doubts_clock:
+                self._companion.timesync.hurry()
+                self.due_ns = min(self.due_ns, self._companion.next_deadline_ns)
 
     def _begin_anew(self) -> None:
         """Another vehicle, another component of it, or none: nothing learned from the last one holds for this one."""
@@ -222,8 +230,14 @@ class Service:
                 if event.kind == LaneEventKind.REBOOTED:
                     self._companion.ask_again(now_ns)
         if events and self.estimate is None:
-            is_silent = any(isinstance(event, LaneEvent) and event.kind == LaneEventKind.STOPPED for event in events)
-            self._publisher.withdraw("samples stopped" if is_silent else "aligning", now_ns)
+            self._publisher.withdraw(self._lack(events), now_ns)
+
+    def _lack(self, events: list[Event]) -> str:
+        """Why there is no estimate after these events."""
+        if any(isinstance(event, LaneEvent) and event.kind == LaneEventKind.STOPPED for event in events):
+            return "samples stopped"
+        late_by_s = 0.0 if self._pipeline is None else self._pipeline.freshness.late_by_s
+        return f"samples come {late_by_s:.1f} s late" if late_by_s > 0.0 else "aligning"
 
     def _end_interval(self) -> None:
         """Write the interval of the verdict that goes on into the log: no more verdicts on this vehicle follow."""

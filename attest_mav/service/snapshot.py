@@ -115,6 +115,20 @@ class Refusal:
 
 
 @dataclass(frozen=True)
+class ClockSnapshot:
+    """The autopilot's clock against ours, by exchanges of time with it (TIMESYNC)."""
+
+    answers: int
+    """Answers so far; without one delays are known only as far as they grow or shrink."""
+    round_trip_s: float
+    """Round trip of the exchange in use, s: ages of samples are uncertain by half of it. 0 before the first one."""
+    skew: float
+    """How much faster our clock runs than the autopilot's, s/s; 0 while it is not known."""
+    jumps: int
+    """How often the autopilot's clock was found stopped or set."""
+
+
+@dataclass(frozen=True)
 class LaneSnapshot:
     """One inertial sensor with its filter. All counts are of samples, unless said otherwise."""
 
@@ -134,6 +148,10 @@ class LaneSnapshot:
     """Dropped: same timestamp as the one before."""
     late: int
     """Dropped: older than the one before."""
+    strays: int
+    """Dropped: with a timestamp that the next ones did not confirm."""
+    delay_s: float
+    """How late the newest sample came, s: measured with ``ClockSnapshot``, else more than the quickest one."""
     rejected: int
     """Dropped: not finite."""
     frozen: int
@@ -192,6 +210,10 @@ class Snapshot:
     """Messages that gave no samples."""
     samples: int
     """Inertial samples taken from the message in use, of all vehicles and lanes so far."""
+    clock: ClockSnapshot
+    """The autopilot's clock."""
+    late_by_s: float
+    """The delay of the newest sample of the published lane where it is too large to be used, s; else 0."""
     lanes: tuple[LaneSnapshot, ...]
     """Empty before the first inertial sample."""
     verdict: VerdictStanding | None

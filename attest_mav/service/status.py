@@ -18,6 +18,9 @@ STATE_NAMES: Final = {
 }
 NORTH_NAMES: Final = {North.RELATIVE: "from the start", North.MAGNETIC: "magnetic", North.TRUE: "true"}
 
+TOLD_DELAY_S: Final = 0.1
+"""A smaller delay of the samples is not worth a word, s."""
+
 VERDICT_WORDS: Final = {
     Agreement.AGREE: "agrees",
     Agreement.DISAGREE: "DISAGREES",
@@ -64,6 +67,7 @@ def status_line(now: Snapshot, before: Snapshot) -> str:
     else:
         parts.append(attitude_text(lane.estimate))
         parts += _filter_texts(now, lane, lane.estimate)
+        parts += [f"samples come {lane.delay_s:.2f} s late"] if lane.delay_s >= TOLD_DELAY_S else []
         parts += [f"attitude withheld: {now.withheld}"] if now.withheld else []
     parts += [f"the autopilot itself {', '.join(now.self_report)}"] if now.self_report else []
     held = [link.name for link in now.links if link.held_back]
@@ -77,6 +81,8 @@ def _obstacles(now: Snapshot) -> list[str]:
         return []
     if now.inertial_refusal:
         return [f"nothing is sent: {now.inertial_refusal}"]
+    if now.late_by_s > 0.0:
+        return [f"nothing is sent: samples come {now.late_by_s:.2f} s late"]
     if now.state == MAV_STATE_CALIBRATING:
         return ["nothing is sent: aligning"]
     return ["nothing is sent: samples stopped" if now.lanes else "nothing is sent: no sample has come"]

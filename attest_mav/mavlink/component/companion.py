@@ -18,6 +18,7 @@ from attest_mav.mavlink.component.notes import Notebook
 from attest_mav.mavlink.component.outputs import NO_VERDICT, Confidence, Publication, PublishedVerdict
 from attest_mav.mavlink.component.own_ids import OwnIds
 from attest_mav.mavlink.component.ports import Port, PortSettings
+from attest_mav.mavlink.component.timesync import TimeSync
 from attest_mav.mavlink.component.vehicle_data import DataSettings, VehicleData
 from attest_mav.mavlink.constants import (
     MAV_AUTOPILOT_INVALID,
@@ -55,6 +56,8 @@ class CompanionSettings:
     """Rate of the attitude on every link, Hz."""
     data: DataSettings = field(default_factory=DataSettings)
     """The messages and settings requested of the vehicle."""
+    timesync: bool = True
+    """Whether the vehicle is asked for its time."""
 
 
 class Companion:
@@ -83,8 +86,11 @@ class Companion:
             dialect.id_of("COMMAND_INT"): self._hear_command,
             dialect.id_of("COMMAND_ACK"): self._hear_ack,
             dialect.id_of("REQUEST_DATA_STREAM"): self._hear_stream_request,
+            dialect.id_of("TIMESYNC"): self._hear_timesync,
         }
         """By message id. Frames with another id are data if they come from the vehicle, and are dropped otherwise."""
+        self.timesync: Final = TimeSync(dialect, settings.timesync, self.notebook)
+        """Exchanges of time with the vehicle."""
         self.announcer: Final = Announcer()
         """Texts for people, which go out on every link that carries texts."""
         self.own_ids: Final = OwnIds(self.ports, self.notebook, now_ns)
@@ -145,6 +151,7 @@ class Companion:
     def ask_again(self, now_ns: int) -> None:
         """Request everything again: the autopilot has rebooted and lost the requests."""
         self.data.begin(now_ns)
+        self.timesync.begin(now_ns)
 
     def poll(self, now_ns: int) -> None:
         """Send the requests, heartbeats and notes that are due."""
@@ -158,6 +165,8 @@ class Companion:
                 port.put(port.encoder.param_request_read(vehicle.system, vehicle.component, name))
             if self.data.take_version_request():
                 port.put(port.encoder.request_message(vehicle.system, vehicle.component, self._version_id))
+            if self.timesync.poll(now_ns):
+                port.put(port.encoder.timesync(0, now_ns, vehicle.system, vehicle.component))
         announcement = self.announcer.take(now_ns)
         if announcement is not None:
             for port in self.ports:
@@ -174,8 +183,8 @@ class Companion:
         silence_ns = self.discovery.next_deadline_ns
         if silence_ns is None:
             return due_ns
-        data_ns = self.data.next_deadline_ns
-        return min(due_ns, silence_ns) if data_ns is None else min(due_ns, silence_ns, data_ns)
+        others = [self.data.next_deadline_ns, self.timesync.next_deadline_ns]
+        return min([due_ns, silence_ns, *[other_ns for other_ns in others if other_ns is not None]])
 
     def stop(self) -> None:
         """Set the rates back where configured, and send a last heartbeat with POWEROFF on every link."""
@@ -231,6 +240,16 @@ class Companion:
             self.data.stream_manager.overheard(f"system {frame.system}", now_ns)
         return False
 
+    def _hear_timesync(self, link: int, frame: Frame, now_ns: int) -> bool:
+        """A question for our time, or the vehicle's answer to ours."""
+        question = self.timesync.question(frame)
+        if question is None:
+            if self._is_from_vehicle(link, frame):
+                self.timesync.answered(frame, now_ns)
+        elif question.is_for(self._system, self._settings.component):
+            self.ports[link].tell_time(question, frame, now_ns)
+        return False
+
     def _is_from_vehicle(self, link: int, frame: Frame) -> bool:
         """Whether the frame comes from the vehicle's autopilot, on the link on which it was taken up."""
         vehicle = self.discovery.vehicle
@@ -244,6 +263,7 @@ class Companion:
             self.sender = NOBODY
             self.withdraw()
             self.data.forget()
+            self.timesync.forget()
 
     def _found(self, vehicle: Vehicle, now_ns: int) -> None:
         """Take the system id of a vehicle that was found, for the first time or again, and request its messages."""
@@ -255,6 +275,7 @@ class Companion:
         for port in self.ports:
             port.rename(self._system)
         self.data.vehicle_found(vehicle.autopilot, vehicle.vehicle_type, now_ns)
+        self.timesync.begin(now_ns)
 
     def _send_heartbeats(self) -> None:
         """One heartbeat a link, and the outputs beside it."""

@@ -139,9 +139,10 @@ class Encoder:
             for part, chunk in enumerate(chunks)
         ]
 
-    def timesync(self, tc1_ns: int, ts1_ns: int) -> bytes:
-        """TIMESYNC: tc1 zero asks, anything else answers."""
-        return self.frame(self._timesync.layout, self._timesync.pack(tc1_ns, ts1_ns))
+    def timesync(self, tc1_ns: int, ts1_ns: int, target_system: int = 0, target_component: int = 0) -> bytes:
+        """TIMESYNC: tc1 zero asks, anything else answers. The target is an extension behind the dialect's fields."""
+        payload = self._timesync.pack(tc1_ns, ts1_ns) + bytes((target_system, target_component))
+        return self.frame(self._timesync.layout, payload)
 
     def message(self, name: str, values: Mapping[str, Any]) -> bytes:
         """Any message by field names; fields that are not named are zero. Raises KeyError for unknown names."""

@@ -7,8 +7,10 @@ from attest_mav.mavlink.component.encoder import Encoder
 from attest_mav.mavlink.component.notes import Notebook
 from attest_mav.mavlink.component.outputs import OUTPUTS, TEXTS, Output, Publication, is_sound
 from attest_mav.mavlink.component.stream import StreamRequest
+from attest_mav.mavlink.component.timesync import AnswerLimit, TimeQuestion
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_INVALID, MAV_TYPE_ONBOARD_CONTROLLER
 from attest_mav.mavlink.dialect import Dialect
+from attest_mav.mavlink.wire.frame import Frame
 
 ONBOARD_SILENCE_NS: Final = 5_000_000_000
 """An onboard computer that has not been heard for this long is gone."""
@@ -94,6 +96,7 @@ class Port:
         self._out: list[bytes] = []
         self._heartbeats: list[int] = []
         self._onboard_heard_ns = -ONBOARD_SILENCE_NS
+        self._time_limit: Final = AnswerLimit()
         self.held = False
         """Outputs that can be taken for the autopilot's own are held back at present."""
 
@@ -168,6 +171,15 @@ class Port:
         if self._sends_texts:
             self._text_id = self._text_id % LAST_TEXT_ID + 1
             self._out += self.encoder.statustexts(severity, text, self._text_id)
+
+    def tell_time(self, question: TimeQuestion, asker: Frame, now_ns: int) -> None:
+        """Answer a question for our time. One to everybody is left to others while there are any.
+
+        Another onboard computer takes each answer of its vehicle for the autopilot's.
+        """
+        others = now_ns - self._onboard_heard_ns < ONBOARD_SILENCE_NS
+        if not (question.is_for_all and others) and self._time_limit.allows(now_ns):
+            self.put(self.encoder.timesync(max(1, now_ns), question.ts1_ns, asker.system, asker.component))
 
     def schedule_of(self, message_id: int) -> Schedule | None:
         """The schedule of an output, whether it is published here or not; None for other messages."""

@@ -264,25 +264,25 @@ def test_an_autopilot_with_other_firmware_is_asked_for_what_suits_it(bench):
 
 
 def heard_by_a_made_up_handler(bench, answer):
-    """What a handler of TIMESYNC, which the companion does not have, was given."""
+    """What a handler of PING, which the companion does not have, was given."""
     b = bench()
     calls = []
-    timesync = mavlink.MAVLINK_MSG_ID_TIMESYNC
+    ping = mavlink.MAVLINK_MSG_ID_PING
 
     def handler(link, frame, now_ns):
         calls.append((link, frame.system, frame.message_id, now_ns))
         return answer
 
-    assert timesync not in b.companion.wanted
-    b.companion.handlers[timesync] = handler
-    assert timesync in b.companion.wanted, "the framers pass its message on"
+    assert ping not in b.companion.wanted
+    b.companion.handlers[ping] = handler
+    assert ping in b.companion.wanted, "the framers pass its message on"
     b.now_ns = 5
-    return b.hear(mavlink.MAVLink_timesync_message(0, 1), system=9), calls
+    return b.hear(mavlink.MAVLink_ping_message(0, 1, 0, 0), system=9), calls
 
 
 @pytest.mark.parametrize("answer", [True, False])
 def test_a_handler_in_the_table_gets_its_message_and_says_whether_it_is_data(bench, answer):
-    assert heard_by_a_made_up_handler(bench, answer) == (answer, [(0, 9, mavlink.MAVLINK_MSG_ID_TIMESYNC, 5)])
+    assert heard_by_a_made_up_handler(bench, answer) == (answer, [(0, 9, mavlink.MAVLINK_MSG_ID_PING, 5)])
 
 
 def test_any_frame_of_the_dialect_is_survived(dialect):
