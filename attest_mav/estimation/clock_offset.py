@@ -26,6 +26,7 @@ class ClockOffset:
         """Exchanges that contradicted what was known."""
         self._first: TimeExchange | None = None
         self._best: TimeExchange | None = None
+        self._last: TimeExchange | None = None
 
     @property
     def round_trip_s(self) -> float:
@@ -39,12 +40,13 @@ class ClockOffset:
 
     def forget(self) -> None:
         """The autopilot's clock is another one from now on."""
-        self._first = self._best = None
+        self._first = self._best = self._last = None
         self.skew = 0.0
 
     def take(self, exchange: TimeExchange) -> bool:
         """Take the next exchange; False when it contradicts what was known."""
         best, first = self._best, self._first
+        self._last = exchange
         if best is None or first is None:
             self._first = self._best = exchange
             return True
@@ -52,7 +54,7 @@ class ClockOffset:
         uncertain_ns = self.uncertainty_ns(exchange.rx_ns)
         if error_ns > uncertain_ns + exchange.round_trip_ns // 2:
             self.jumps += 1
-            self.forget()
+            self.skew = 0.0
             self._first = self._best = exchange
             return False
         if exchange.round_trip_ns // 2 <= uncertain_ns:
@@ -69,6 +71,14 @@ class ClockOffset:
         """The largest error of the offset at that time, ns."""
         best = self._best
         return 0 if best is None else best.round_trip_ns // 2 + int(DRIFT * max(0, rx_ns - best.rx_ns))
+
+    def oldest_ns(self, rx_ns: int) -> int:
+        """The age of the oldest message that can arrive at that time, ns: what is sent first arrives first.
+
+        Whatever comes with an answer is not older than its round trip.
+        """
+        last = self._last
+        return 0 if last is None else last.round_trip_ns + max(0, rx_ns - last.rx_ns)
 
     def _estimate_skew(self, first: TimeExchange, last: TimeExchange) -> None:
         elapsed_ns = last.rx_ns - first.rx_ns

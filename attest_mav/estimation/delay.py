@@ -18,8 +18,9 @@ DRIFT_STEP_S: Final = 0.1
 """Silence makes it grow for no longer than this: after a stall the backlog must still be seen whole."""
 
 EARLIEST_NS: Final = -1_000_000_000
-LATEST_NS: Final = 1_000_000_000_000
-"""An age outside of these is none: the timestamps do not come from the clock that answers."""
+SLACK_NS: Final = 500_000_000
+"""A smaller age than the first, or one by more than the second beyond what the round trip allows, shows that the
+timestamps do not come from the clock that answers."""
 
 
 class DelayMeter:
@@ -31,6 +32,7 @@ class DelayMeter:
         self._clock: Final = clock
         self._drift: Final = drift
         self._last_rx_ns = -1
+        self._foreign_at = -1
 
     def delay_s(self, t_ns: int, rx_ns: int) -> float:
         """How late this sample came, s; t_ns by the sensor's clock, rx_ns by the host's."""
@@ -43,11 +45,12 @@ class DelayMeter:
             self.least_ns = min(grown_ns, difference_ns)
         self._last_rx_ns = rx_ns
         clock = self._clock
-        if clock.is_known:
-            age_ns = wrapped_difference_ns(difference_ns, clock.offset_ns(rx_ns))
-            if EARLIEST_NS <= age_ns <= LATEST_NS:
-                # No sample comes before it was taken: a smaller difference was that of another setting of the clock.
-                least_ns = difference_ns - max(0, age_ns + clock.uncertainty_ns(rx_ns))
-                self.least_ns = max(self.least_ns, least_ns)
-                return max(0, age_ns) * 1e-9
-        return (difference_ns - self.least_ns) * 1e-9
+        if not clock.is_known or self._foreign_at == clock.jumps:
+            return (difference_ns - self.least_ns) * 1e-9
+        age_ns = wrapped_difference_ns(difference_ns, clock.offset_ns(rx_ns))
+        if not EARLIEST_NS <= age_ns <= clock.oldest_ns(rx_ns) + SLACK_NS:
+            self._foreign_at = clock.jumps  # until the clock that answers is found to have been set
+            return (difference_ns - self.least_ns) * 1e-9
+        # No sample comes before it was taken: a smaller difference was that of another setting of the clock.
+        self.least_ns = max(self.least_ns, difference_ns - max(0, age_ns + clock.uncertainty_ns(rx_ns)))
+        return max(0, age_ns) * 1e-9

@@ -55,8 +55,13 @@ class PublicationGate:
         return change
 
     def close(self, reason: str, now_ns: int) -> GateChange | None:
-        """There is no estimate any more; the change to be told, which is told at once."""
-        self._close(reason, now_ns)
+        """There is no estimate any more; the change to be told, which is told at once.
+
+        No estimate is no objection: only the moment at which the last one went counts as one.
+        """
+        if self.is_open:
+            self._close(reason, now_ns)
+        self.reason = reason
         return self._told(now_ns)
 
     def _close(self, reason: str, now_ns: int) -> None:

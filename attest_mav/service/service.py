@@ -230,11 +230,12 @@ class Service:
                 if event.kind == LaneEventKind.REBOOTED:
                     self._companion.ask_again(now_ns)
         if events and self.estimate is None:
-            self._publisher.withdraw(self._lack(events), now_ns)
+            self._publisher.withdraw(self._lack(events, now_ns), now_ns)
 
-    def _lack(self, events: list[Event]) -> str:
+    def _lack(self, events: list[Event], now_ns: int) -> str:
         """Why there is no estimate after these events."""
-        if any(isinstance(event, LaneEvent) and event.kind == LaneEventKind.STOPPED for event in events):
+        is_silent = any(isinstance(event, LaneEvent) and event.kind == LaneEventKind.STOPPED for event in events)
+        if is_silent or now_ns - self._sample_ns >= self._stale_ns:
             return "samples stopped"
         late_by_s = 0.0 if self._pipeline is None else self._pipeline.freshness.late_by_s
         return f"samples come {late_by_s:.1f} s late" if late_by_s > 0.0 else "aligning"

@@ -165,8 +165,9 @@ class Companion:
                 port.put(port.encoder.param_request_read(vehicle.system, vehicle.component, name))
             if self.data.take_version_request():
                 port.put(port.encoder.request_message(vehicle.system, vehicle.component, self._version_id))
-            if self.timesync.poll(now_ns):
-                port.put(port.encoder.timesync(0, now_ns, vehicle.system, vehicle.component))
+        if vehicle is not None and self.timesync.poll(now_ns):
+            port = self.ports[vehicle.link]
+            port.put(port.encoder.timesync(0, now_ns, vehicle.system, vehicle.component))
         announcement = self.announcer.take(now_ns)
         if announcement is not None:
             for port in self.ports:
@@ -180,11 +181,14 @@ class Companion:
         """When ``poll`` is due at the latest; a time in the past is at once."""
         text_ns = self.announcer.next_deadline_ns
         due_ns = self._next_heartbeat_ns if text_ns is None else min(text_ns, self._next_heartbeat_ns)
+        time_ns = None if self.discovery.vehicle is None else self.timesync.next_deadline_ns
+        if time_ns is not None:
+            due_ns = min(due_ns, time_ns)
         silence_ns = self.discovery.next_deadline_ns
         if silence_ns is None:
             return due_ns
-        others = [self.data.next_deadline_ns, self.timesync.next_deadline_ns]
-        return min([due_ns, silence_ns, *[other_ns for other_ns in others if other_ns is not None]])
+        data_ns = self.data.next_deadline_ns
+        return min(due_ns, silence_ns) if data_ns is None else min(due_ns, silence_ns, data_ns)
 
     def stop(self) -> None:
         """Set the rates back where configured, and send a last heartbeat with POWEROFF on every link."""
