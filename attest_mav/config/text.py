@@ -71,14 +71,23 @@ def _choices(parts: list[str], record: type[msgspec.Struct]) -> str:
     for part in parts:
         inner = _record_in(kind)
         if part.startswith("["):
-            kind = get_args(kind)[0] if get_origin(kind) is tuple else kind
+            kind = _item_of(kind)
         elif inner is not None:
             kind = _fields(inner).get(part)
     if get_origin(kind) is Literal:
         return " or ".join(get_args(kind))
     words = [word for one in get_args(kind) if get_origin(one) is Literal for word in get_args(one)]
+    listed = [word for one in get_args(kind) if get_origin(one) is tuple for word in get_args(_item_of(one))]
+    if words and listed:
+        return f"{' or '.join(words)}, or a list of {' or '.join(listed)}"
     limits = [limit for one in get_args(kind) for limit in getattr(one, "__metadata__", ())]
     return f"{' or '.join(words)} or a number {_range_text(limits[0])}" if words and limits else ""
+
+
+def _item_of(kind: Any) -> Any:
+    """The type of the items of a tuple, alone or as one of several types; any other type as it is."""
+    tuples = [one for one in (kind, *get_args(kind)) if get_origin(one) is tuple]
+    return get_args(tuples[0])[0] if tuples else kind
 
 
 def _range_text(limits: msgspec.Meta) -> str:

@@ -2,11 +2,12 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from math import degrees, radians
+from math import degrees, isfinite, radians
 from typing import Final
 
 from attest_mav.algebra import tilt_between
 from attest_mav.config.records import parse_config
+from attest_mav.errors import UsageError
 from attest_mav.estimation.events import Agreement
 from attest_mav.evaluation.harness import TrialMap
 from attest_mav.mavlink.dialect import Dialect, load_dialect
@@ -31,9 +32,13 @@ class CleanFlight:
     """One flight to be flown."""
 
     scenario: str
+    """One of the simulator's."""
     personality: str
+    """``ardupilot`` or ``px4``."""
     seed: int
+    """Of the simulator's noise."""
     seconds: float
+    """Length, settling included, s."""
 
 
 @dataclass(frozen=True)
@@ -41,12 +46,15 @@ class CleanFigures:
     """What came of flights of one scenario and personality."""
 
     name: str
+    """Personality and scenario."""
     flown_s: float
-    """After settling."""
+    """Time after settling, s."""
     disagree_s: float
+    """Time with the verdict DISAGREE, s."""
     undecided_s: float
+    """Time with the verdict UNDECIDED or without one, s."""
     silent_s: float
-    """Without an ATTITUDE_QUATERNION in the last half second."""
+    """Time without an ATTITUDE_QUATERNION in the last half second, s."""
     worst_tilt_deg: float
     """Largest true tilt error of what was sent, degrees."""
 
@@ -121,7 +129,16 @@ def fly(flight: CleanFlight) -> CleanFigures:
 
 
 def flights(hours: float, seconds: float, seed: int) -> list[CleanFlight]:
-    """All scenarios and personalities, one after another, until that many hours are full."""
+    """All scenarios and personalities, one after another, until that many hours are full.
+
+    Raises UsageError for no time at all, and for flights that end before their figures begin.
+    """
+    if not (isfinite(hours) and hours > 0.0):
+        raise UsageError(f"{hours:g} hours: expected a positive number")
+    if not (isfinite(seconds) and seconds > SETTLED_S):
+        raise UsageError(
+            f"{seconds:g} s a flight: expected more than {SETTLED_S:g} s, which are no part of the figures"
+        )
     kinds = [(scenario, personality) for scenario in SCENARIOS for personality in PERSONALITIES]
     count = max(1, round(hours * 3600.0 / seconds))
     return [CleanFlight(*kinds[place % len(kinds)], seed + place // len(kinds), seconds) for place in range(count)]

@@ -19,6 +19,8 @@ from math import isfinite
 from multiprocessing import get_context
 from typing import Protocol, TypeVar
 
+from attest_mav.errors import UsageError
+
 Bound = tuple[float, float]
 """Lowest and highest value that passes."""
 
@@ -95,12 +97,14 @@ class Scenario:
 
 @contextmanager
 def processes(workers: int | None, prepare: Callable[[], object] | None = None) -> Iterator[TrialMap]:
-    """A map over that many processes (None: one a core); with one worker, the built-in map.
+    """A map over that many processes (None: one a core); with one worker, the built-in map. UsageError below one.
 
     prepare: called first in each process.
 
     Processes are spawned, not forked: a fork would copy the threads and locks of whoever shows the progress.
     """
+    if workers is not None and workers < 1:
+        raise UsageError(f"{workers} workers: expected 1 or more processes")
     if workers == 1:
         yield map
         return

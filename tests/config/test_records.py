@@ -62,6 +62,15 @@ def test_nothing_is_needed():
         ("[vehicle]\nsystem_id = '1'", "vehicle.system_id: expected int, got str"),
         ("[vehicle]\nsystem_id = true", "vehicle.system_id: expected int, got bool"),
         ("[output]\nrate_hz = 0", "output.rate_hz: expected float >= 0.01, got 0"),
+        (
+            "[streams]\nfurther_imu_messages = 'all'",
+            "further_imu_messages: expected auto, or a list of RAW_IMU or SCALED_IMU",
+        ),
+        (
+            "[streams]\nfurther_imu_messages = ['X']",
+            "streams.further_imu_messages[0]: expected RAW_IMU or SCALED_IMU or",
+        ),
+        ("[streams]\nimu_bytes_per_s = -5", "streams.imu_bytes_per_s: expected float >= 0.0, got -5"),
         ("[output]\nrate_hz = 5e-324", "output.rate_hz: expected float >= 0.01, got 5e-324"),
         ("[streams]\nimu_hz = 1e-320", "streams.imu_hz: expected float >= 0.01, got 1e-320"),
         ("[output]\ncomponent_id = 1", "output.component_id: 1 belongs to the autopilot"),

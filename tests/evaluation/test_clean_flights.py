@@ -2,6 +2,7 @@
 
 import pytest
 
+from attest_mav.errors import UsageError
 from attest_mav.evaluation.clean_flights import CleanFigures, CleanFlight, flights, fly, summary
 
 
@@ -35,3 +36,9 @@ def test_the_summary_adds_times_and_keeps_the_largest_error():
         CleanFigures("x", 30.0, 1.0, 3.0, 3.0, 0.7),
         CleanFigures("y", 5.0, 0.0, 0.0, 0.0, 0.1),
     ]
+
+
+@pytest.mark.parametrize(("hours", "seconds"), [(0.0, 600.0), (-1.0, 600.0), (float("nan"), 600.0), (1.0, 30.0)])
+def test_flights_without_figures_are_refused(hours, seconds):
+    with pytest.raises(UsageError, match="expected"):
+        flights(hours, seconds, 1)

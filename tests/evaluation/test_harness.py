@@ -85,3 +85,9 @@ def test_processes_give_the_results_of_the_built_in_map_in_the_same_order():
 def test_an_error_in_a_trial_is_not_lost():
     with processes(2) as trial_map, pytest.raises(ValueError, match=r"math domain|nonnegative"):
         list(trial_map(sqrt, [1.0, -1.0]))
+
+
+@pytest.mark.parametrize("workers", [0, -1])
+def test_less_than_one_process_is_refused(workers):
+    with pytest.raises(UsageError, match="expected 1 or more"), processes(workers):
+        pytest.fail("it began")
