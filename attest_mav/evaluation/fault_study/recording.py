@@ -5,9 +5,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
 
+from attest_mav.errors import UnreadableDataError
 from attest_mav.logs.source import LogSource, LogSummary, Plan, Progress, SampleBatch
 from attest_mav.logs.tlog.source import open_tlog
 from attest_mav.replay.engine import Recording, record
+from attest_mav.samples import AttitudeSample
+from attest_mav.types import AttitudeRole
 
 LEAST_SHARE: Final = 0.5
 """An inertial stream with less than this share of the samples of the most frequent one is no lane."""
@@ -73,7 +76,12 @@ class LaneRecording:
 
 @lru_cache(maxsize=1)
 def recorded_lanes(log: bytes) -> LaneRecording:
-    """The log decoded; tasks of one log follow each other, so that each process decodes it once."""
+    """The log decoded; tasks of one log follow each other, so that each process decodes it once.
+
+    UnreadableDataError for a log without a simulator's truth: nothing could be said of errors.
+    """
     source = AllLanes(open_tlog(log))
     recording = record(source)
+    if not any(isinstance(one, AttitudeSample) and one.role == AttitudeRole.TRUTH for one in recording.samples):
+        raise UnreadableDataError("the log has no true attitude: expected SIM_STATE or SIMSTATE of a simulator")
     return LaneRecording(recording, source.lanes)

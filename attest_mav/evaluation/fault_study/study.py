@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Final
 
+from attest_mav.errors import UnreadableDataError
 from attest_mav.evaluation.fault_study.card import Fault, FaultCard, FaultGroup
 from attest_mav.evaluation.fault_study.catalogue import INJECTED, InjectedFault
 from attest_mav.evaluation.fault_study.edits import faulted
@@ -63,8 +64,10 @@ def run(task: FaultTask) -> list[FaultFigures]:
     flown = fly(flight, flight.recording.samples, default_filter("velocity-aided"), _lanes(flight, task))
     if task.card is None:
         first_s = _first_time(flight) + SETTLED_S
-        clean = Fault("no fault", first_s, flown.autopilot.t_s[-1], FaultGroup.CLEAN)
-        return [figures_of(clean, flown, (first_s, flown.autopilot.t_s[-1]), ())]
+        last_s = max(flown.autopilot.t_s, default=first_s)
+        if last_s <= first_s:
+            raise UnreadableDataError(f"expected a flight of more than {SETTLED_S:g} s with the autopilot's attitude")
+        return [figures_of(Fault("no fault", first_s, last_s, FaultGroup.CLEAN), flown, (first_s, last_s), ())]
     card = task.card
     return [figures_of(fault, flown, card.window(place), card.leave_out) for place, fault in enumerate(card.faults)]
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from attest_mav.errors import UnreadableDataError
 from attest_mav.evaluation.fault_study.card import read_card
 from attest_mav.evaluation.fault_study.study import run, tasks_of
 
@@ -59,3 +60,12 @@ def test_only_faults_that_are_asked_for_are_put_into_a_clean_flight(wanted):
     tasks = tasks_of(b"", None, wanted, 0)
     assert tasks[0].injected is None
     assert len(tasks) > 1
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"), [("copter_trim_told", "no true attitude"), ("plane_circles_turn", "a flight of more than 60 s")]
+)
+def test_a_log_that_cannot_be_studied_is_refused(name, reason):
+    (task, *_) = tasks_of((DATA / f"{name}.tlog").read_bytes(), None, "", 0)
+    with pytest.raises(UnreadableDataError, match=reason):
+        run(task)
