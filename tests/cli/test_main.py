@@ -72,10 +72,17 @@ def test_ctrl_c_ends_it_quietly(command, workers):
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        # A shell makes its background jobs ignore Ctrl-C, and so may be running these tests.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # noqa: PLW1509  # one thread here
     )
-    time.sleep(3.0)
-    os.killpg(process.pid, signal.SIGINT)  # the terminal tells the workers too
-    _, said = process.communicate(timeout=30.0)
+    with process:
+        time.sleep(3.0)
+        os.killpg(process.pid, signal.SIGINT)  # the terminal tells the workers too
+        try:
+            _, said = process.communicate(timeout=30.0)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            raise
     assert (process.returncode, said) == (130, "")
 
 
