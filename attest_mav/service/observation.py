@@ -20,7 +20,9 @@ def link_snapshot(framer: Framer, port: Port, traffic: Traffic) -> LinkSnapshot:
         bad_crc=framer.bad_crc,
         lost_frames=framer.lost,
         attitudes_sent=port.attitudes_sent,
-        held_back=port.held,
+        held_back=port.held_for != 0,
+        held_for=port.held_for,
+        changes=tuple(port.changes),
         traffic=traffic,
     )
 

@@ -6,14 +6,12 @@ vehicle and a counter. Everything that anyone may see of the service is in ``sna
 """
 
 from collections.abc import Sequence
-from math import nan
 from typing import Final
 
 from attest_mav.estimate import Estimate
-from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
+from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.pipeline import Pipeline
 from attest_mav.estimation.vehicle import Vehicle
-from attest_mav.estimation.verdict_intervals import IntervalChange
 from attest_mav.mavlink.component.companion import Companion
 from attest_mav.mavlink.component.notes import Note
 from attest_mav.mavlink.constants import MAV_STATE_ACTIVE, MAV_STATE_BOOT, MAV_STATE_CALIBRATING, MAV_STATE_CRITICAL
@@ -35,15 +33,12 @@ from attest_mav.service.publisher import Publisher
 from attest_mav.service.settings import ServiceSettings
 from attest_mav.service.snapshot import NO_TRAFFIC, NoteCounts, Snapshot, Traffic
 from attest_mav.service.source_notes import SourceNotes
-from attest_mav.service.verdict_history import VerdictHistory
+from attest_mav.service.verdict_teller import VerdictTeller
 from attest_mav.types import EarthField
 from attest_mav.vehicle_reports import ParameterSample
 
 REFUSALS_NS: Final = 1_000_000_000
 """Period at which the decoder's refusals and the frames of attitudes are looked through, ns."""
-
-_VERDICT_CODES: Final = {Agreement.AGREE: 1.0, Agreement.DISAGREE: 0.0, Agreement.UNDECIDED: -1.0}
-"""The value of ATT_OK for each verdict."""
 
 
 class Service:
@@ -68,7 +63,7 @@ class Service:
         self._pipeline: Pipeline | None = None
         self._announcements: Final = Announcements(self._companion)
         self._publisher = self._new_publisher()
-        self._verdicts = VerdictHistory()
+        self._verdicts = self._new_teller()
         self._sender = self._companion.sender
         self._samples = 0
         self._stale_ns: Final = int(settings.pipeline.stale_s * 1e9)
@@ -113,7 +108,7 @@ class Service:
             self._next_refusals_ns = now_ns + REFUSALS_NS
             self._source_notes.refusals(self._decoder, self._companion.data.imu)
             self._source_notes.frames(self._frame_notes)
-            self._tell_verdict(self._verdicts.settle(now_ns))
+            self._verdicts.settle(now_ns)
         self._companion.state = self._state(now_ns)
         self._companion.poll(now_ns)
         self.due_ns = min(self._companion.next_deadline_ns, self._next_refusals_ns)
@@ -131,7 +126,7 @@ class Service:
 
     def stop(self) -> None:
         """Leave the last frames to ``take_frames``: rates set back, and a heartbeat that says goodbye."""
-        self._end_interval()
+        self._verdicts.end()
         self._companion.stop()
 
     def snapshot(self, now_ns: int, traffic: Sequence[Traffic] = ()) -> Snapshot:
@@ -156,12 +151,13 @@ class Service:
             withheld="" if self.estimate is None else self._publisher.reason,
             self_report=self._vehicle.self_report.remarks(now_ns),
             frame_notes=tuple(self._frame_notes),
+            link_remarks=tuple(companion.remarks(now_ns)),
             notes=NoteCounts(self._notebook.warnings, self._notebook.errors, self._notebook.dropped),
         )
 
     def _take(self, sample: Sample, now_ns: int) -> None:
         if isinstance(sample, ImuSample):
-            if not self._companion.imu_taken(sample.source, now_ns):
+            if not self._companion.imu_taken(sample.source, sample.t_ns, now_ns):
                 return
             if sample.source == self._companion.data.primary_imu:
                 self._samples += 1
@@ -170,8 +166,9 @@ class Service:
                     self._begin_pipeline(sample.source)
         elif isinstance(sample, PositionSample):
             self._vehicle.field = self._field_lookup.at(sample) or self._vehicle.field
-        elif isinstance(sample, ParameterSample):
-            self._companion.parameter_taken(sample)
+        elif isinstance(sample, ParameterSample) and not self._companion.parameter_taken(sample):
+            self.due_ns = now_ns  # it is asked again
+            return
         if self._pipeline is None:
             self._vehicle.take(sample)
         else:
@@ -188,9 +185,8 @@ class Service:
         self._vehicle.field = before.field  # the place is the same until a position says otherwise
         self._pipeline = None
         self._publisher = self._new_publisher()
-        self._end_interval()
-        self._verdicts = VerdictHistory()
-        self._companion.set_verdict(nan, nan, nan)
+        self._verdicts.end()
+        self._verdicts = self._new_teller()
 
     def _is_served(self, source: str) -> bool:
         """Whether the pipeline has a lane for this message, or an estimate of another sensor."""
@@ -214,36 +210,21 @@ class Service:
                     self._publisher.publish(event, contradicted, now_ns)
             elif isinstance(event, Verdict):
                 self.due_ns = now_ns
-                self._take_verdict(event)
+                self._verdicts.take(event)
             elif isinstance(event, LaneEvent):
                 self.due_ns = now_ns
                 self._verdicts.lane_event(event)
-                self._announcements.lane_event(event)
                 if event.kind == LaneEventKind.REBOOTED:
                     self._companion.ask_again(now_ns)
         if events and self.estimate is None:
             is_silent = any(isinstance(event, LaneEvent) and event.kind == LaneEventKind.STOPPED for event in events)
             self._publisher.withdraw("samples stopped" if is_silent else "aligning", now_ns)
 
-    def _end_interval(self) -> None:
-        """Write the interval of the verdict that goes on into the log: no more verdicts on this vehicle follow."""
-        interval = self._verdicts.open_interval
-        if interval is not None:
-            self._announcements.interval(interval)
-
     def _new_publisher(self) -> Publisher:
         return Publisher(self._companion, self._announcements, self._settings.pipeline.max_sigma)
 
-    def _take_verdict(self, verdict: Verdict) -> None:
-        """Pass the verdict on; tell when it changes."""
-        self._companion.set_verdict(_VERDICT_CODES[verdict.agreement], verdict.tilt, verdict.heading)
-        self._tell_verdict(self._verdicts.take(verdict))
-
-    def _tell_verdict(self, change: IntervalChange | None) -> None:
-        if change is not None:
-            self._announcements.verdict(
-                change, self._vehicle.armed is True, self._vehicle.self_report.remarks(change.verdict.rx_ns)
-            )
+    def _new_teller(self) -> VerdictTeller:
+        return VerdictTeller(self._companion, self._announcements, self._vehicle)
 
     def _state(self, now_ns: int) -> int:
         """MAV_STATE; while the attitude is withheld the filter is still calibrating."""

@@ -66,9 +66,15 @@ def status_line(now: Snapshot, before: Snapshot) -> str:
         parts += _filter_texts(now, lane, lane.estimate)
         parts += [f"attitude withheld: {now.withheld}"] if now.withheld else []
     parts += [f"the autopilot itself {', '.join(now.self_report)}"] if now.self_report else []
-    held = [link.name for link in now.links if link.held_back]
-    parts.append(f"sent {rates.published:.1f} Hz" + (f", held back on {', '.join(held)}" if held else ""))
+    parts += now.link_remarks
+    parts.append(", ".join([f"sent {rates.published:.1f} Hz", *_changed_by_others(now)]))
     return " | ".join(parts)
+
+
+def _changed_by_others(now: Snapshot) -> list[str]:
+    """What other stations have changed in our outputs."""
+    held = [f"held back on {link.name} for component {link.held_for}" for link in now.links if link.held_back]
+    return held + [f"{change} on {link.name}" for link in now.links for change in link.changes]
 
 
 def _obstacles(now: Snapshot) -> list[str]:

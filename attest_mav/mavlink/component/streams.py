@@ -108,6 +108,14 @@ class StreamManager:
         self._overrider = who
         self._overridden_ns = now_ns
 
+    def pause(self, now_ns: int) -> None:
+        """The vehicle is away: nothing is requested and nothing measured; an open request is sent again afterwards."""
+        if self._asking is not None:
+            self._queue.insert(0, self._asking)
+            self._asking = None
+        for stream in self.streams:
+            stream.measure_anew(now_ns)
+
     def poll(self, now_ns: int) -> list[StreamRequest]:
         """Close the measuring windows that have ended, and return the requests that are due."""
         for stream in self.streams:

@@ -46,7 +46,7 @@ class Witness:
                     self._keep(sample)
 
     def _keep(self, sample):
-        if self.bench.companion.imu_taken(sample.source, self.bench.now_ns):
+        if self.bench.companion.imu_taken(sample.source, sample.t_ns, self.bench.now_ns):
             self.samples.append(sample)
 
     def fly(self, until_s, gyros):
