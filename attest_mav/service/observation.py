@@ -7,11 +7,11 @@ from attest_mav.mavlink.component.discovery import VehicleDiscovery
 from attest_mav.mavlink.component.ports import Port
 from attest_mav.mavlink.component.stream import Stream
 from attest_mav.mavlink.decode.decoder import Decoder
-from attest_mav.mavlink.wire.framer import Framer
+from attest_mav.service.link_input import LinkInput
 from attest_mav.service.snapshot import LaneSnapshot, LinkSnapshot, Refusal, StreamSnapshot, Traffic, VehicleSnapshot
 
 
-def link_snapshot(framer: Framer, port: Port, traffic: Traffic) -> LinkSnapshot:
+def link_snapshot(framer: LinkInput, port: Port, traffic: Traffic) -> LinkSnapshot:
     """One link, from its receiving side, its sending side and its host's counters."""
     return LinkSnapshot(
         name=port.name,

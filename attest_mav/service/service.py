@@ -18,10 +18,10 @@ from attest_mav.mavlink.constants import MAV_STATE_ACTIVE, MAV_STATE_BOOT, MAV_S
 from attest_mav.mavlink.decode.autopilot_parameters import facts_of_firmware
 from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.dialect import Dialect
-from attest_mav.mavlink.wire.framer import Framer
 from attest_mav.samples import ImuSample, PositionSample, Sample
 from attest_mav.service.announcements import Announcements
 from attest_mav.service.field_lookup import FieldFinder, FieldLookup
+from attest_mav.service.link_input import LinkInput
 from attest_mav.service.observation import (
     lane_snapshots,
     link_snapshot,
@@ -55,7 +55,7 @@ class Service:
         ports = list(zip(links, settings.ports, strict=True))
         self._companion: Final = Companion(dialect, settings.companion, ports, now_ns)
         self._notebook: Final = self._companion.notebook
-        self._framers: Final = [Framer(dialect, self._companion.wanted) for _ in links]
+        self._inputs: Final = [LinkInput(dialect, self._companion.wanted) for _ in links]
         self._decoder = Decoder(dialect, settings.raw_scales)
         self._vehicle = Vehicle(settings.pipeline.aids)
         self._vehicle.field = EarthField(settings.declination)
@@ -81,10 +81,11 @@ class Service:
         estimate = self.estimate
         return estimate is not None and now_ns - estimate.rx_ns < self._stale_ns
 
-    def receive(self, link: int, data: bytes, now_ns: int) -> None:
-        """Take bytes that arrived on a link."""
-        companion = self._companion
-        for frame in self._framers[link].feed(data, now_ns):
+    def receive(self, link: int, data: bytes, now_ns: int, stream: int = 0) -> bool:
+        """Take bytes that arrived on a link, in one of its streams; whether they completed an intact frame."""
+        companion, source = self._companion, self._inputs[link]
+        before = source.frames
+        for frame in source.feed(data, now_ns, stream):
             is_data = companion.handle(link, frame, now_ns)
             if companion.sender != self._sender:
                 self._begin_anew()
@@ -93,10 +94,11 @@ class Service:
                     self._take(sample, now_ns)
             else:
                 self.due_ns = now_ns  # a heartbeat, an answer, a command: something may follow from it
+        return source.frames > before
 
     def link_restarted(self, link: int) -> None:
         """A link was opened again: a frame that was received in part is dropped."""
-        self._framers[link].reset()
+        self._inputs[link].reset()
         self._companion.link_broken(link)
         self.due_ns = 0
 
@@ -132,7 +134,7 @@ class Service:
     def snapshot(self, now_ns: int, traffic: Sequence[Traffic] = ()) -> Snapshot:
         """Everything that may be seen of the service. ``traffic``: the host's counters, one record a link."""
         companion, decoder = self._companion, self._decoder
-        parts = zip(self._framers, companion.ports, traffic or [NO_TRAFFIC] * len(self._framers), strict=True)
+        parts = zip(self._inputs, companion.ports, traffic or [NO_TRAFFIC] * len(self._inputs), strict=True)
         inertial = companion.data.imu
         return Snapshot(
             now_ns=now_ns,

@@ -13,7 +13,7 @@ from typing import Final
 
 from mypy_extensions import i64
 
-from attest_mav.mavlink.wire.checksum import crc_with_extra
+from attest_mav.mavlink.wire.checksum import stepped
 
 START: Final = 0xFFFF
 MAX_LENGTH: Final = 280
@@ -36,12 +36,12 @@ class RunningChecksum:
     def __init__(self, mirror: bytes, tables: list[ZeroTables | None]) -> None:
         """``tables``: by length, ``MAX_LENGTH`` of them; filled as needed, to be kept for the next buffer."""
         self._tables: Final = tables
-        register: int = 0
-        self._registers: Final = [0]
-        append = self._registers.append
-        for at in range(len(mirror)):
-            register = crc_hqx(mirror[at : at + 1], register)
-            append(register)
+        register: i64 = 0
+        registers = [0]
+        for byte in mirror:
+            register = stepped(register, byte)
+            registers.append(register)
+        self._registers: Final = registers
 
     def crc(self, start: i64, stop: i64, mirrored_extra: i64) -> i64:
         """The same as ``checksum.mirrored_crc`` of this buffer."""
@@ -52,7 +52,7 @@ class RunningChecksum:
         register: i64 = self._registers[start]
         register ^= START
         passed: i64 = tables.low[register & 0xFF] ^ tables.high[register >> 8]
-        return crc_with_extra(self._registers[stop] ^ passed, mirrored_extra)
+        return stepped(self._registers[stop] ^ passed, mirrored_extra)
 
 
 def _combinations(bits: list[int]) -> list[int]:
