@@ -5,7 +5,7 @@ from attest_mav.estimation.pipeline import Pipeline
 from attest_mav.estimation.vehicle import Vehicle
 from attest_mav.mavlink.component.discovery import VehicleDiscovery
 from attest_mav.mavlink.component.ports import Port
-from attest_mav.mavlink.component.stream import Stream
+from attest_mav.mavlink.component.streams import StreamManager
 from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.service.link_input import LinkInput
 from attest_mav.service.snapshot import LaneSnapshot, LinkSnapshot, Refusal, StreamSnapshot, Traffic, VehicleSnapshot
@@ -48,9 +48,20 @@ def vehicle_snapshot(discovery: VehicleDiscovery, vehicle: Vehicle) -> VehicleSn
     )
 
 
-def stream_snapshot(stream: Stream) -> StreamSnapshot:
-    """One message that is asked for."""
-    return StreamSnapshot(stream.name, stream.hz, stream.answer, stream.refused, stream.achieved_hz, stream.ceiling_hz)
+def stream_snapshots(manager: StreamManager, now_ns: int) -> tuple[StreamSnapshot, ...]:
+    """The messages that are asked for."""
+    return tuple(
+        StreamSnapshot(
+            stream.name,
+            stream.hz,
+            stream.answer,
+            stream.refused,
+            stream.achieved_hz,
+            stream.ceiling_hz,
+            manager.hindrance(stream, now_ns),
+        )
+        for stream in manager.streams
+    )
 
 
 def refusals(decoder: Decoder) -> tuple[Refusal, ...]:

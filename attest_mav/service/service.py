@@ -26,7 +26,7 @@ from attest_mav.service.observation import (
     lane_snapshots,
     link_snapshot,
     refusals,
-    stream_snapshot,
+    stream_snapshots,
     vehicle_snapshot,
 )
 from attest_mav.service.publisher import Publisher
@@ -111,6 +111,7 @@ class Service:
             self._source_notes.refusals(self._decoder, self._companion.data.imu)
             self._source_notes.frames(self._frame_notes)
             self._verdicts.settle(now_ns)
+            self._measure_loss(now_ns)
         self._companion.state = self._state(now_ns)
         self._companion.poll(now_ns)
         self.due_ns = min(self._companion.next_deadline_ns, self._next_refusals_ns)
@@ -142,7 +143,7 @@ class Service:
             vehicle=vehicle_snapshot(companion.discovery, self._vehicle),
             ambiguity=companion.discovery.ambiguity,
             links=tuple(link_snapshot(framer, port, counters) for framer, port, counters in parts),
-            streams=tuple(stream_snapshot(stream) for stream in companion.data.stream_manager.streams),
+            streams=stream_snapshots(companion.data.stream_manager, now_ns),
             inertial="" if inertial is None else inertial.name,
             single_imu=companion.data.single_imu,
             not_independent=frozenset(name for name, independent in decoder.independent.items() if not independent),
@@ -221,6 +222,13 @@ class Service:
         if events and self.estimate is None:
             is_silent = any(isinstance(event, LaneEvent) and event.kind == LaneEventKind.STOPPED for event in events)
             self._publisher.withdraw("samples stopped" if is_silent else "aligning", now_ns)
+
+    def _measure_loss(self, now_ns: int) -> None:
+        """Tell the companion what the vehicle's link loses."""
+        vehicle = self._companion.discovery.vehicle
+        if vehicle is not None:
+            source = self._inputs[vehicle.link]
+            self._companion.data.stream_manager.loss.take(source.frames, source.lost, source.bad_crc, now_ns)
 
     def _new_publisher(self) -> Publisher:
         return Publisher(self._companion, self._announcements, self._settings.pipeline.max_sigma)

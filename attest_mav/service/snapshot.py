@@ -104,6 +104,8 @@ class StreamSnapshot:
     """Rate measured over the last window, Hz; 0 before the first one ends."""
     ceiling_hz: float
     """The most that the autopilot gives, Hz; 0 where no limit was found."""
+    hindrance: str
+    """Why it does not come at the rate asked for, "" where that is not known."""
 
 
 @dataclass(frozen=True)

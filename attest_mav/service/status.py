@@ -105,6 +105,8 @@ def _inertial_text(now: Snapshot, rates: Rates) -> str:
     asked = f"{stream.name} {rates.samples:.1f} of {stream.hz:g} Hz"
     if stream.name in now.not_independent:
         asked += ", not independent of the autopilot's filter"
+    if stream.hindrance:
+        return f"{asked} ({stream.hindrance})"
     if stream.ceiling_hz > 0.0:
         return f"{asked} (the autopilot's limit)"
     return asked if stream.answer in {"", "accepted"} else f"{asked} ({stream.answer})"

@@ -81,6 +81,11 @@ class AutopilotSettings:
         self._quiet_ns.clear()
         self.doubts.clear()
 
+    @property
+    def is_answered(self) -> bool:
+        """Whether the autopilot has answered a request for a parameter, or sent one that counts."""
+        return bool(self._known)
+
     def received(self, sample: ParameterSample) -> bool:
         """The vehicle sent a parameter, whoever had requested it; True when its value counts."""
         if self._asks and not self._is_proven(sample):

@@ -104,7 +104,7 @@ class Companion:
     def handle(self, link: int, frame: Frame, now_ns: int) -> bool:
         """Take one frame from a link; True when it is the vehicle's data and worth decoding."""
         if frame.system == self._system and frame.component == self._settings.component:
-            self.own_ids.heard(frame, now_ns)
+            self.own_ids.heard(link, frame, now_ns)
             return False
         handler = self.handlers.get(frame.message_id)
         if handler is not None:
@@ -147,7 +147,14 @@ class Companion:
 
     def remarks(self, now_ns: int) -> list[str]:
         """What is wrong on the links, for the status."""
-        return [*self.traffic.remarks(self._system, now_ns), *self.data.autopilot_settings.doubts.values()]
+        unheard = self._requester.remark(now_ns)
+        loss = self.data.stream_manager.loss.text
+        return [
+            *self.traffic.remarks(self._system, now_ns),
+            *self.own_ids.remarks(now_ns),
+            *self.data.autopilot_settings.doubts.values(),
+            *[remark for remark in (unheard, loss) if remark],
+        ]
 
     def link_broken(self, link: int) -> None:
         """The stream of this link ended, or began anew."""
@@ -165,6 +172,7 @@ class Companion:
             port.poll(now_ns)
         self._away = not self._requester.may_ask(now_ns)
         self._requester.poll(now_ns)
+        self._requester.note_remark(now_ns)
         self.traffic.note_remarks(self._system, now_ns)
         announcement = self.announcer.take(now_ns)
         if announcement is not None:

@@ -13,6 +13,9 @@ from attest_mav.mavlink.component.ports import Port
 from attest_mav.mavlink.component.vehicle_data import VehicleData
 from attest_mav.mavlink.component.vehicle_traffic import VehicleTraffic
 
+UNHEARD: Final = 3
+"""So many requests in a row without any answer, while messages arrive, show that none is heard."""
+
 
 class Requester:
     """The requests of one companion. version_id: the id of AUTOPILOT_VERSION."""
@@ -58,6 +61,24 @@ class Requester:
             port.put(port.encoder.param_request_read(vehicle.system, vehicle.component, name))
         if self._data.take_version_request():
             port.put(port.encoder.request_message(vehicle.system, vehicle.component, self._version_id))
+
+    def remark(self, now_ns: int) -> str:
+        """Why the vehicle does not do what is requested, "" where it answers or was not asked."""
+        manager = self._data.stream_manager
+        if manager.unanswered < UNHEARD or self._data.autopilot_settings.is_answered or not self.may_ask(now_ns):
+            return ""
+        if self._traffic.is_signed:
+            return (
+                "the vehicle signs its messages and answers no unsigned request: let it accept unsigned messages on "
+                "this link, or set the rates there"
+            )
+        return "the autopilot does not hear us: no request was answered; check the line towards it"
+
+    def note_remark(self, now_ns: int) -> None:
+        """Leave the remark as a warning, once a minute."""
+        remark = self.remark(now_ns)
+        if remark and self._lines.suffix("remark", now_ns) is not None:
+            self._notebook.warning(remark)
 
     def samples_come(self, link: int, now_ns: int) -> None:
         """The primary inertial samples come on this link: request everything there."""
