@@ -108,7 +108,7 @@ class Service:
             self._act(self._pipeline.poll(now_ns), now_ns)
         if now_ns >= self._next_refusals_ns:
             self._next_refusals_ns = now_ns + REFUSALS_NS
-            self._source_notes.refusals(self._decoder, self._companion.data.imu)
+            self._source_notes.refusals(self._decoder, self._companion.data.imu, now_ns)
             self._source_notes.frames(self._frame_notes)
             self._verdicts.settle(now_ns)
             self._measure_loss(now_ns)

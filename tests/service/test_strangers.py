@@ -149,3 +149,17 @@ def test_a_change_that_the_autopilot_confirms_counts_within_a_second(flight):
     f.vehicle.handle(change.pack(station), f.now_ns)
     f.run_until(16.0)
     assert settings_of(f).low_pass_hz == 40.0
+
+
+def test_positions_that_jump_are_looked_up_at_most_each_ten_seconds(flight):
+    f = flight("", HOVER)
+    f.run_until(15.0)
+    lines, forger, number = len(f.texts), Stranger(f, 1, 1), iter(range(10**6))
+
+    def forge():
+        jump = next(number) * 7_000_000 % 900_000_000
+        message = mavlink.MAVLink_gps_raw_int_message(f.now_ns // 1000, 3, jump, 2140000000, 0, 50, 50, 0, 0, 12)
+        forger.say(message)
+
+    repeat(f, 35.0, 0.02, forge)
+    assert sum("headings are true" in text for text in f.texts[lines:]) <= 1

@@ -6,12 +6,12 @@ link i, and logs the notes of ``notebook.take()``.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from typing import Final
 
 from attest_mav.estimate import Estimate
 from attest_mav.mavlink.component.announcer import Announcer
 from attest_mav.mavlink.component.commands import CommandDesk, CommandReader
+from attest_mav.mavlink.component.companion_settings import CompanionSettings
 from attest_mav.mavlink.component.discovery import Vehicle, VehicleDiscovery
 from attest_mav.mavlink.component.notes import Notebook
 from attest_mav.mavlink.component.outgoing import Outgoing
@@ -19,7 +19,7 @@ from attest_mav.mavlink.component.outputs import Confidence
 from attest_mav.mavlink.component.own_ids import OwnIds
 from attest_mav.mavlink.component.ports import Port, PortSettings
 from attest_mav.mavlink.component.requester import Requester
-from attest_mav.mavlink.component.vehicle_data import DataSettings, VehicleData
+from attest_mav.mavlink.component.vehicle_data import VehicleData
 from attest_mav.mavlink.component.vehicle_traffic import VehicleTraffic
 from attest_mav.mavlink.constants import (
     MAV_AUTOPILOT_INVALID,
@@ -40,22 +40,6 @@ NOBODY: Final = (0, 0, MAV_AUTOPILOT_INVALID)
 
 Handler = Callable[[int, Frame, int], bool]
 """Takes the number of a link, a frame from it and now_ns; True when the frame is the vehicle's data, to be decoded."""
-
-
-@dataclass(frozen=True)
-class CompanionSettings:
-    """Identity, rate, and the data that are requested."""
-
-    vehicle_system: int = 0
-    """The vehicle's system id; 0 takes the only one that is heard."""
-    system: int = 0
-    """Our system id; 0 takes the vehicle's."""
-    component: int = 193
-    """Our component id."""
-    publish_hz: float = 20.0
-    """Rate of the attitude on every link, Hz."""
-    data: DataSettings = field(default_factory=DataSettings)
-    """The messages and settings requested of the vehicle."""
 
 
 class Companion:
@@ -147,14 +131,10 @@ class Companion:
 
     def remarks(self, now_ns: int) -> list[str]:
         """What is wrong on the links, for the status."""
-        unheard = self._requester.remark(now_ns)
-        loss = self.data.stream_manager.loss.text
-        return [
-            *self.traffic.remarks(self._system, now_ns),
-            *self.own_ids.remarks(now_ns),
-            *self.data.autopilot_settings.doubts.values(),
-            *[remark for remark in (unheard, loss) if remark],
-        ]
+        remarks = self.traffic.remarks(self._system, now_ns) + self.own_ids.remarks(now_ns)
+        remarks += [*self.data.autopilot_settings.doubts.values()]
+        remarks += [self._requester.remark(now_ns), self.data.stream_manager.loss.text]
+        return [remark for remark in remarks if remark]
 
     def link_broken(self, link: int) -> None:
         """The stream of this link ended, or began anew."""

@@ -6,7 +6,7 @@ from math import inf, nan
 import pytest
 from pymavlink.dialects.v20 import all as pymav
 
-from attest_mav.mavlink.component.companion import CompanionSettings
+from attest_mav.mavlink.component.companion_settings import CompanionSettings
 from attest_mav.mavlink.component.vehicle_data import DataSettings
 from attest_mav.vehicle_reports import ParameterSample
 from attest_mav.vehicle_settings import Setting, VehicleSettings
