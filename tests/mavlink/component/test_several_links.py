@@ -40,13 +40,24 @@ class Sender:
         return taken
 
 
+def acknowledge(b, counts):
+    """The autopilot accepts what was requested on each link since the last call."""
+    for link, count in enumerate(counts):
+        asked = len(b.interval_requests(link))
+        if asked > count:
+            counts[link] = asked
+            b.companion.data.stream_manager.acknowledged(mavlink.MAV_RESULT_ACCEPTED, b.now_ns)
+
+
 def fly(b, until_s, act):
-    """50 calls a second, with the companion polled."""
+    """50 calls a second, with the companion polled; what it requests is accepted."""
+    counts = [0] * len(b.sent)
     taken = 0
     tick = b.now_ns // 20_000_000
     while tick * 0.02 < until_s - 1e-9:
         tick += 1
         b.run_until(tick * 0.02)
+        acknowledge(b, counts)
         taken += act(tick)
     return taken
 
