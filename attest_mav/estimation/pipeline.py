@@ -8,7 +8,7 @@ primary lane is selected: the first of ``sources``, or where none are given the 
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import radians
+from math import isfinite, radians
 from typing import Final
 
 from attest_mav.estimate import Estimate
@@ -165,7 +165,8 @@ class Pipeline:
             return
         known = self._trims_in_flight
         if sample.setting not in known:
-            if self.verdict is None or self.verdict.agreement != Agreement.AGREE:
+            agrees = self.verdict is not None and self.verdict.agreement == Agreement.AGREE
+            if not agrees and not isfinite(before.get(sample.setting)):
                 return
             known[sample.setting] = before.get_or(sample.setting, 0.0)
         settings = self.vehicle.settings

@@ -106,6 +106,8 @@ class Dialect:
         size = max(self.by_id) + 1
         self.mirrored_extras: Final = [-1] * size
         """By message id: the CRC extra with its bits reversed, -1 where the dialect has no such message."""
+        self.sizes_v1: Final = bytes(self.by_id[one].size if one in self.by_id else 0xFF for one in range(256))
+        """By message id: the longest payload of a MAVLink 1 frame, which no later release of a message can lengthen."""
         for layout in layouts:
             self.mirrored_extras[layout.message_id] = MIRROR[layout.crc_extra]
 

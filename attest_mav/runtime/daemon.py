@@ -55,7 +55,9 @@ class Daemon:
 
     def _receive(self, number: int, data: bytes, now_ns: int) -> None:
         """Take bytes of a link; an estimate made of them leaves in the same turn."""
-        self.service.receive(number, data, now_ns)
+        link = self.links[number]
+        if self.service.receive(number, data, now_ns, link.stream):
+            link.confirm(now_ns)
         self._put_out(now_ns)
 
     def _poll(self, now_ns: int) -> None:

@@ -4,6 +4,7 @@ import logging
 from collections.abc import Callable
 from typing import Final
 
+from attest_mav.runtime.journal import STATUS_LOGGER
 from attest_mav.runtime.loop import Handler
 from attest_mav.runtime.notify import Notifier
 from attest_mav.service.service import Service
@@ -11,6 +12,7 @@ from attest_mav.service.snapshot import Snapshot
 from attest_mav.service.status import status_line
 
 log = logging.getLogger("attest_mav.daemon")
+status_log = logging.getLogger(STATUS_LOGGER)
 
 
 class Reporter(Handler):
@@ -55,5 +57,5 @@ class Reporter(Handler):
     def _report_status(self, now_ns: int) -> None:
         before, self._shown = self._shown, self._snapshot(now_ns)
         text = status_line(self._shown, before)
-        log.info("%s", text)
+        status_log.info("%s", text)
         self._notifier.status(text)

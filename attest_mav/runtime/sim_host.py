@@ -42,7 +42,10 @@ class SimHost:
 
     def _receive(self, data: bytes, now_ns: int) -> None:
         """Take bytes that arrived on the link, and send the answers to them."""
+        before = self._vehicle.framer.frames
         self._vehicle.handle(data, self._until_ns(now_ns))
+        if self._vehicle.framer.frames > before:
+            self._link.confirm(now_ns)
         self._advance(now_ns)
 
     def _advance(self, now_ns: int) -> None:

@@ -16,7 +16,7 @@ from attest_mav.estimation.vehicle import AidSettings
 from attest_mav.estimation.verdict import VerdictSettings
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.velocity_aided.filter import VelocityAided
-from attest_mav.mavlink.component.companion import CompanionSettings
+from attest_mav.mavlink.component.companion_settings import CompanionSettings
 from attest_mav.mavlink.component.ports import PortSettings
 from attest_mav.mavlink.component.vehicle_data import POSITION_MESSAGES, DataSettings
 from attest_mav.mavlink.decode.units import RawScales

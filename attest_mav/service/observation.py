@@ -6,9 +6,9 @@ from attest_mav.estimation.pipeline import Pipeline
 from attest_mav.estimation.vehicle import Vehicle
 from attest_mav.mavlink.component.discovery import VehicleDiscovery
 from attest_mav.mavlink.component.ports import Port
-from attest_mav.mavlink.component.stream import Stream
+from attest_mav.mavlink.component.streams import StreamManager
 from attest_mav.mavlink.decode.decoder import Decoder
-from attest_mav.mavlink.wire.framer import Framer
+from attest_mav.service.link_input import LinkInput
 from attest_mav.service.snapshot import (
     ClockSnapshot,
     LaneSnapshot,
@@ -20,7 +20,7 @@ from attest_mav.service.snapshot import (
 )
 
 
-def link_snapshot(framer: Framer, port: Port, traffic: Traffic) -> LinkSnapshot:
+def link_snapshot(framer: LinkInput, port: Port, traffic: Traffic) -> LinkSnapshot:
     """One link, from its receiving side, its sending side and its host's counters."""
     return LinkSnapshot(
         name=port.name,
@@ -29,7 +29,9 @@ def link_snapshot(framer: Framer, port: Port, traffic: Traffic) -> LinkSnapshot:
         bad_crc=framer.bad_crc,
         lost_frames=framer.lost,
         attitudes_sent=port.attitudes_sent,
-        held_back=port.held,
+        held_back=port.held_for != 0,
+        held_for=port.held_for,
+        changes=tuple(port.changes),
         traffic=traffic,
     )
 
@@ -55,9 +57,20 @@ def vehicle_snapshot(discovery: VehicleDiscovery, vehicle: Vehicle) -> VehicleSn
     )
 
 
-def stream_snapshot(stream: Stream) -> StreamSnapshot:
-    """One message that is asked for."""
-    return StreamSnapshot(stream.name, stream.hz, stream.answer, stream.refused, stream.achieved_hz, stream.ceiling_hz)
+def stream_snapshots(manager: StreamManager, now_ns: int) -> tuple[StreamSnapshot, ...]:
+    """The messages that are asked for."""
+    return tuple(
+        StreamSnapshot(
+            stream.name,
+            stream.hz,
+            stream.answer,
+            stream.refused,
+            stream.achieved_hz,
+            stream.ceiling_hz,
+            manager.hindrance(stream, now_ns),
+        )
+        for stream in manager.streams
+    )
 
 
 def refusals(decoder: Decoder) -> tuple[Refusal, ...]:

@@ -29,7 +29,7 @@ class Publisher:
     def publish(self, estimate: Estimate, contradicted: bool, now_ns: int) -> None:
         """Send an estimate. contradicted: a sensor, the receiver or the field speaks against it."""
         self._tell(self._gate.take(estimate, contradicted, now_ns))
-        self._companion.publish(estimate, now_ns, self._gate.confidence(estimate, contradicted))
+        self._companion.publish(estimate, self._gate.confidence(estimate, contradicted))
 
     def withdraw(self, reason: str, now_ns: int) -> None:
         """There is no estimate any more, for this reason."""

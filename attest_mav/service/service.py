@@ -6,45 +6,40 @@ vehicle and a counter. Everything that anyone may see of the service is in ``sna
 """
 
 from collections.abc import Sequence
-from math import nan
 from typing import Final
 
 from attest_mav.estimate import Estimate
-from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
+from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.pipeline import Pipeline
 from attest_mav.estimation.vehicle import Vehicle
-from attest_mav.estimation.verdict_intervals import IntervalChange
 from attest_mav.mavlink.component.companion import Companion
 from attest_mav.mavlink.component.notes import Note
 from attest_mav.mavlink.constants import MAV_STATE_ACTIVE, MAV_STATE_BOOT, MAV_STATE_CALIBRATING, MAV_STATE_CRITICAL
 from attest_mav.mavlink.decode.autopilot_parameters import facts_of_firmware
 from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.dialect import Dialect
-from attest_mav.mavlink.wire.framer import Framer
 from attest_mav.samples import ImuSample, PositionSample, Sample
 from attest_mav.service.announcements import Announcements
 from attest_mav.service.field_lookup import FieldFinder, FieldLookup
+from attest_mav.service.link_input import LinkInput
 from attest_mav.service.observation import (
     clock_snapshot,
     lane_snapshots,
     link_snapshot,
     refusals,
-    stream_snapshot,
+    stream_snapshots,
     vehicle_snapshot,
 )
 from attest_mav.service.publisher import Publisher
 from attest_mav.service.settings import ServiceSettings
 from attest_mav.service.snapshot import NO_TRAFFIC, NoteCounts, Snapshot, Traffic
 from attest_mav.service.source_notes import SourceNotes
-from attest_mav.service.verdict_history import VerdictHistory
+from attest_mav.service.verdict_teller import VerdictTeller
 from attest_mav.types import EarthField
 from attest_mav.vehicle_reports import ParameterSample
 
 REFUSALS_NS: Final = 1_000_000_000
 """Period at which the decoder's refusals and the frames of attitudes are looked through, ns."""
-
-_VERDICT_CODES: Final = {Agreement.AGREE: 1.0, Agreement.DISAGREE: 0.0, Agreement.UNDECIDED: -1.0}
-"""The value of ATT_OK for each verdict."""
 
 
 class Service:
@@ -61,7 +56,7 @@ class Service:
         ports = list(zip(links, settings.ports, strict=True))
         self._companion: Final = Companion(dialect, settings.companion, ports, now_ns)
         self._notebook: Final = self._companion.notebook
-        self._framers: Final = [Framer(dialect, self._companion.wanted) for _ in links]
+        self._inputs: Final = [LinkInput(dialect, self._companion.wanted) for _ in links]
         self._decoder = Decoder(dialect, settings.raw_scales)
         self._vehicle = Vehicle(settings.pipeline.aids)
         self._vehicle.field = EarthField(settings.declination)
@@ -69,7 +64,7 @@ class Service:
         self._pipeline: Pipeline | None = None
         self._announcements: Final = Announcements(self._companion)
         self._publisher = self._new_publisher()
-        self._verdicts = VerdictHistory()
+        self._verdicts = self._new_teller()
         self._sender = self._companion.sender
         self._samples = 0
         self._stale_ns: Final = int(settings.pipeline.stale_s * 1e9)
@@ -87,10 +82,11 @@ class Service:
         estimate = self.estimate
         return estimate is not None and now_ns - estimate.rx_ns < self._stale_ns
 
-    def receive(self, link: int, data: bytes, now_ns: int) -> None:
-        """Take bytes that arrived on a link."""
-        companion = self._companion
-        for frame in self._framers[link].feed(data, now_ns):
+    def receive(self, link: int, data: bytes, now_ns: int, stream: int = 0) -> bool:
+        """Take bytes that arrived on a link, in one of its streams; whether they completed an intact frame."""
+        companion, source = self._companion, self._inputs[link]
+        before = source.frames
+        for frame in source.feed(data, now_ns, stream):
             is_data = companion.handle(link, frame, now_ns)
             if companion.sender != self._sender:
                 self._begin_anew()
@@ -101,10 +97,11 @@ class Service:
                 for exchange in companion.timesync.take():
                     self._vehicle.clock.take(exchange)
                 self.due_ns = now_ns  # a heartbeat, an answer, a command: something may follow from it
+        return source.frames > before
 
     def link_restarted(self, link: int) -> None:
         """A link was opened again: a frame that was received in part is dropped."""
-        self._framers[link].reset()
+        self._inputs[link].reset()
         self._companion.link_broken(link)
         self.due_ns = 0
 
@@ -114,9 +111,10 @@ class Service:
             self._act(self._pipeline.poll(now_ns), now_ns)
         if now_ns >= self._next_refusals_ns:
             self._next_refusals_ns = now_ns + REFUSALS_NS
-            self._source_notes.refusals(self._decoder, self._companion.data.imu)
+            self._source_notes.refusals(self._decoder, self._companion.data.imu, now_ns)
             self._source_notes.frames(self._frame_notes)
-            self._tell_verdict(self._verdicts.settle(now_ns))
+            self._verdicts.settle(now_ns)
+            self._measure_loss(now_ns)
         self._companion.state = self._state(now_ns)
         self._companion.poll(now_ns)
         self.due_ns = min(self._companion.next_deadline_ns, self._next_refusals_ns)
@@ -134,13 +132,13 @@ class Service:
 
     def stop(self) -> None:
         """Leave the last frames to ``take_frames``: rates set back, and a heartbeat that says goodbye."""
-        self._end_interval()
+        self._verdicts.end()
         self._companion.stop()
 
     def snapshot(self, now_ns: int, traffic: Sequence[Traffic] = ()) -> Snapshot:
         """Everything that may be seen of the service. ``traffic``: the host's counters, one record a link."""
         companion, decoder = self._companion, self._decoder
-        parts = zip(self._framers, companion.ports, traffic or [NO_TRAFFIC] * len(self._framers), strict=True)
+        parts = zip(self._inputs, companion.ports, traffic or [NO_TRAFFIC] * len(self._inputs), strict=True)
         inertial = companion.data.imu
         return Snapshot(
             now_ns=now_ns,
@@ -148,7 +146,7 @@ class Service:
             vehicle=vehicle_snapshot(companion.discovery, self._vehicle),
             ambiguity=companion.discovery.ambiguity,
             links=tuple(link_snapshot(framer, port, counters) for framer, port, counters in parts),
-            streams=tuple(stream_snapshot(stream) for stream in companion.data.stream_manager.streams),
+            streams=stream_snapshots(companion.data.stream_manager, now_ns),
             inertial="" if inertial is None else inertial.name,
             single_imu=companion.data.single_imu,
             not_independent=frozenset(name for name, independent in decoder.independent.items() if not independent),
@@ -161,12 +159,13 @@ class Service:
             withheld="" if self.estimate is None else self._publisher.reason,
             self_report=self._vehicle.self_report.remarks(now_ns),
             frame_notes=tuple(self._frame_notes),
+            link_remarks=tuple(companion.remarks(now_ns)),
             notes=NoteCounts(self._notebook.warnings, self._notebook.errors, self._notebook.dropped),
         )
 
     def _take(self, sample: Sample, now_ns: int) -> None:
         if isinstance(sample, ImuSample):
-            if not self._companion.imu_taken(sample.source, now_ns):
+            if not self._companion.imu_taken(sample.source, sample.t_ns, now_ns):
                 return
             if sample.source == self._companion.data.primary_imu:
                 self._samples += 1
@@ -175,8 +174,9 @@ class Service:
                     self._begin_pipeline(sample.source)
         elif isinstance(sample, PositionSample):
             self._vehicle.field = self._field_lookup.at(sample) or self._vehicle.field
-        elif isinstance(sample, ParameterSample):
-            self._companion.parameter_taken(sample)
+        elif isinstance(sample, ParameterSample) and not self._companion.parameter_taken(sample):
+            self.due_ns = now_ns  # it is asked again
+            return
         if self._pipeline is None:
             self._vehicle.take(sample)
         else:
@@ -196,9 +196,8 @@ class Service:
         self._vehicle.field = before.field  # the place is the same until a position says otherwise
         self._pipeline = None
         self._publisher = self._new_publisher()
-        self._end_interval()
-        self._verdicts = VerdictHistory()
-        self._companion.set_verdict(nan, nan, nan)
+        self._verdicts.end()
+        self._verdicts = self._new_teller()
 
     def _is_served(self, source: str) -> bool:
         """Whether the pipeline has a lane for this message, or an estimate of another sensor."""
@@ -222,11 +221,10 @@ class Service:
                     self._publisher.publish(event, contradicted, now_ns)
             elif isinstance(event, Verdict):
                 self.due_ns = now_ns
-                self._take_verdict(event)
+                self._verdicts.take(event)
             elif isinstance(event, LaneEvent):
                 self.due_ns = now_ns
                 self._verdicts.lane_event(event)
-                self._announcements.lane_event(event)
                 if event.kind == LaneEventKind.REBOOTED:
                     self._companion.ask_again(now_ns)
         if events and self.estimate is None:
@@ -240,25 +238,18 @@ class Service:
         late_by_s = 0.0 if self._pipeline is None else self._pipeline.freshness.late_by_s
         return f"samples come {late_by_s:.1f} s late" if late_by_s > 0.0 else "aligning"
 
-    def _end_interval(self) -> None:
-        """Write the interval of the verdict that goes on into the log: no more verdicts on this vehicle follow."""
-        interval = self._verdicts.open_interval
-        if interval is not None:
-            self._announcements.interval(interval)
+    def _measure_loss(self, now_ns: int) -> None:
+        """Tell the companion what the vehicle's link loses."""
+        vehicle = self._companion.discovery.vehicle
+        if vehicle is not None:
+            source = self._inputs[vehicle.link]
+            self._companion.data.stream_manager.loss.take(source.frames, source.lost, source.bad_crc, now_ns)
 
     def _new_publisher(self) -> Publisher:
         return Publisher(self._companion, self._announcements, self._settings.pipeline.max_sigma)
 
-    def _take_verdict(self, verdict: Verdict) -> None:
-        """Pass the verdict on; tell when it changes."""
-        self._companion.set_verdict(_VERDICT_CODES[verdict.agreement], verdict.tilt, verdict.heading)
-        self._tell_verdict(self._verdicts.take(verdict))
-
-    def _tell_verdict(self, change: IntervalChange | None) -> None:
-        if change is not None:
-            self._announcements.verdict(
-                change, self._vehicle.armed is True, self._vehicle.self_report.remarks(change.verdict.rx_ns)
-            )
+    def _new_teller(self) -> VerdictTeller:
+        return VerdictTeller(self._companion, self._announcements, self._vehicle)
 
     def _state(self, now_ns: int) -> int:
         """MAV_STATE; while the attitude is withheld the filter is still calibrating."""

@@ -47,9 +47,13 @@ class LinkSnapshot:
     lost_frames: int
     """Frames missing in the sequence numbers of their senders."""
     attitudes_sent: int
-    """ATTITUDE_QUATERNION and ATTITUDE_QUATERNION_COV sent."""
+    """Estimates published, each counted once in whichever messages; answers to requests are not counted."""
     held_back: bool
     """Whether ATTITUDE_QUATERNION is held back, because another onboard computer is heard on the link."""
+    held_for: int
+    """Component id of that onboard computer, 0 for none."""
+    changes: tuple[str, ...]
+    """What other stations have changed in our outputs: message, rate and station."""
     traffic: Traffic
     """Transport counters."""
 
@@ -100,6 +104,8 @@ class StreamSnapshot:
     """Rate measured over the last window, Hz; 0 before the first one ends."""
     ceiling_hz: float
     """The most that the autopilot gives, Hz; 0 where no limit was found."""
+    hindrance: str
+    """Why it does not come at the rate asked for, "" where that is not known."""
 
 
 @dataclass(frozen=True)
@@ -224,6 +230,8 @@ class Snapshot:
     """What is bad by the autopilot's own words, each to be read behind "the autopilot itself"."""
     frame_notes: tuple[str, ...]
     """The trims that are taken off the autopilot's attitudes, and the messages that cannot be compared."""
+    link_remarks: tuple[str, ...]
+    """What is wrong on the links: other senders, damage, requests that are not heard; each a sentence."""
     notes: NoteCounts
     """Lines left for the log."""
 

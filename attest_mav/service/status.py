@@ -70,9 +70,15 @@ def status_line(now: Snapshot, before: Snapshot) -> str:
         parts += [f"samples come {lane.delay_s:.2f} s late"] if lane.delay_s >= TOLD_DELAY_S else []
         parts += [f"attitude withheld: {now.withheld}"] if now.withheld else []
     parts += [f"the autopilot itself {', '.join(now.self_report)}"] if now.self_report else []
-    held = [link.name for link in now.links if link.held_back]
-    parts.append(f"sent {rates.published:.1f} Hz" + (f", held back on {', '.join(held)}" if held else ""))
+    parts += now.link_remarks
+    parts.append(", ".join([f"sent {rates.published:.1f} Hz", *_changed_by_others(now)]))
     return " | ".join(parts)
+
+
+def _changed_by_others(now: Snapshot) -> list[str]:
+    """What other stations have changed in our outputs."""
+    held = [f"held back on {link.name} for component {link.held_for}" for link in now.links if link.held_back]
+    return held + [f"{change} on {link.name}" for link in now.links for change in link.changes]
 
 
 def _obstacles(now: Snapshot) -> list[str]:
@@ -105,6 +111,8 @@ def _inertial_text(now: Snapshot, rates: Rates) -> str:
     asked = f"{stream.name} {rates.samples:.1f} of {stream.hz:g} Hz"
     if stream.name in now.not_independent:
         asked += ", not independent of the autopilot's filter"
+    if stream.hindrance:
+        return f"{asked} ({stream.hindrance})"
     if stream.ceiling_hz > 0.0:
         return f"{asked} (the autopilot's limit)"
     return asked if stream.answer in {"", "accepted"} else f"{asked} ({stream.answer})"

@@ -38,7 +38,8 @@ class Observer:
         self.page, self.browser = socket.socketpair()
         self.udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.udp.connect(("127.0.0.1", int(daemon.links[1].url.rpartition(":")[2])))
-        self.udp.send(b"\0")
+        station = mavlink.MAVLink(None, srcSystem=255, srcComponent=190)
+        self.udp.send(mavlink.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3).pack(station))
         for sock in (self.browser, self.udp):
             sock.setblocking(False)
         self.ticks, self.answers, self.heard, self.snapshots = [], b"", [], []
@@ -95,7 +96,7 @@ def test_a_foreign_client_and_a_timer_live_on_the_daemons_loop(observer, caplog)
     assert last.published_lane is not None
     assert last.links[1].attitudes_sent >= 5
     assert last.links[1].traffic.sent_bytes > 5 * 40
-    assert last.links[1].traffic.received_bytes == 1
+    assert last.links[1].traffic.received_bytes == 12 + 9, "the HEARTBEAT"
     assert last.links[0].traffic.received_bytes > 1000
     assert observer.of_type("HEARTBEAT")[-1].system_status == mavlink.MAV_STATE_POWEROFF
     assert "ready: the first estimate is there" in caplog.messages

@@ -12,7 +12,8 @@ from attest_mav.config.link_url import parse_link
 from attest_mav.errors import LinkError
 from attest_mav.runtime.links.base import BUFFER_BYTES, FIRST_RETRY_NS, LONGEST_RETRY_NS, Backoff
 from attest_mav.runtime.links.open import open_link
-from attest_mav.runtime.links.udp import MAX_PEERS, PEER_SILENCE_NS
+from attest_mav.runtime.links.tcp_server import IDLE_NS, MAX_CLIENTS
+from attest_mav.runtime.links.udp_peers import FIRST_SILENCE_NS, MAX_PEERS, PROVEN_NS, SILENCE_NS, UdpPeers
 
 SECOND = 1_000_000_000
 PATIENCE_S = 5.0
@@ -57,10 +58,13 @@ def test_udp_both_ways(opened):
     assert listener.receive(0) == b"", "nothing there is nothing, not an error"
     caller.send(b"first", 0)
     assert receive(listener) == b"first"
+    assert not listener.is_up
+    listener.send(b"too early", 0)
+    listener.confirm(0)
     assert listener.is_up
     listener.send(b"answer", 0)
     assert receive(caller) == b"answer"
-    assert (caller.sent_bytes, listener.received_bytes) == (5, 5)
+    assert (caller.sent_bytes, listener.received_bytes, listener.dropped_messages) == (5, 5, 1)
 
 
 def test_the_port_that_was_chosen_is_said(opened, caplog):
@@ -70,21 +74,65 @@ def test_the_port_that_was_chosen_is_said(opened, caplog):
     assert f"listening on {link.url}" in caplog.messages
 
 
-def test_a_listener_answers_all_who_spoke_lately_and_no_more_than_so_many(opened):
+def speak(peers, address, begin_ns, end_ns):
+    """Frames of one sender each 0.1 s."""
+    for now_ns in range(begin_ns, end_ns + 1, SECOND // 10):
+        peers.heard(address, now_ns)
+
+
+VEHICLE = ("192.0.2.1", 14550)
+
+
+def test_a_listener_answers_nobody_for_bytes_that_are_no_mavlink(opened):
     listener = opened("udpin:127.0.0.1:0")
-    callers = [opened(listener.url.replace("udpin", "udpout")) for _ in range(MAX_PEERS + 1)]
-    for number, caller in enumerate(callers):
-        caller.send(b"hello", 0)
+    caller = opened(listener.url.replace("udpin", "udpout"))
+    for number in range(100):
+        caller.send(b"\xfd", number)
         receive(listener, number)
-    listener.send(b"all", MAX_PEERS)
-    assert callers[0].receive(0) == b"", "the oldest has made room"
-    for caller in callers[1:]:
-        assert receive(caller) == b"all"
-    callers[1].send(b"again", 0)
-    receive(listener, PEER_SILENCE_NS + MAX_PEERS)
-    listener.send(b"one", PEER_SILENCE_NS + MAX_PEERS + 1)
-    assert receive(callers[1]) == b"one"
-    assert callers[2].receive(0) == b"", "silent for too long"
+        listener.send(b"answer", number)
+    assert (listener.sent_bytes, listener.dropped_messages) == (0, 100)
+
+
+def test_one_frame_with_a_forged_source_is_answered_for_three_seconds():
+    peers = UdpPeers()
+    assert peers.heard(VEHICLE, 0)
+    assert peers.answered(FIRST_SILENCE_NS) == [VEHICLE]
+    assert peers.answered(FIRST_SILENCE_NS + 1) == []
+
+
+def test_a_known_sender_is_answered_for_half_a_minute_and_the_last_one_for_ever():
+    peers = UdpPeers()
+    speak(peers, VEHICLE, 0, PROVEN_NS)
+    speak(peers, ("192.0.2.2", 1), 0, PROVEN_NS + SECOND)
+    assert len(peers.answered(PROVEN_NS + SILENCE_NS)) == 2
+    assert peers.answered(10 * SILENCE_NS) == [("192.0.2.2", 1)]
+
+
+def test_new_senders_displace_no_known_one_and_are_bounded():
+    peers = UdpPeers()
+    speak(peers, VEHICLE, 0, PROVEN_NS)
+    for port in range(20_000):
+        peers.heard(("198.51.100.9", port), PROVEN_NS + port)
+        assert len(peers) <= MAX_PEERS
+    assert VEHICLE in peers.answered(PROVEN_NS + 20_000)
+    full = UdpPeers()
+    for port in range(MAX_PEERS):
+        speak(full, ("192.0.2.2", port), 0, PROVEN_NS)
+    assert not full.heard(VEHICLE, PROVEN_NS)
+
+
+def test_senders_without_end_are_one_line_a_minute(opened, caplog):
+    caplog.set_level("INFO", "attest_mav")
+    listener = opened("udpin:127.0.0.1:0")
+    for number in range(40):
+        opened(listener.url.replace("udpin", "udpout")).send(b"frame", 0)
+        receive(listener, number)
+        listener.confirm(number)
+    assert sum("hearing" in message for message in caplog.messages) == 1
+    opened(listener.url.replace("udpin", "udpout")).send(b"frame", 0)
+    receive(listener, 61 * SECOND)
+    listener.confirm(61 * SECOND)
+    assert caplog.messages[-1].endswith("(39 more such lines were left out)")
 
 
 def test_udp_without_anybody_at_the_other_end_is_no_error(opened):
@@ -210,18 +258,55 @@ def test_a_connect_without_answer_is_given_up(opened):
             filler.close()
 
 
-def test_a_new_connection_replaces_the_old(opened):
+def collect(server, count, now_ns=0):
+    """The bytes of so many reads, by stream."""
+    got = {}
+    while count:
+        data = receive(server, now_ns)
+        if data:
+            got[server.stream] = got.get(server.stream, b"") + data
+            count -= 1
+    return got
+
+
+def test_connections_do_not_displace_each_other(opened):
     server = opened("tcpin:127.0.0.1:0")
-    with socket.create_connection(other_end(server.url)) as old:
+    clients = [socket.create_connection(other_end(server.url)) for _ in range(3)]
+    for _ in clients:
         receive(server)
-        assert server.epoch == 1
-        with socket.create_connection(other_end(server.url)) as new:
-            receive(server)
-            assert server.epoch == 2
-            new.sendall(b"mine")
-            assert receive(server) == b"mine"
-            old.settimeout(PATIENCE_S)
-            assert old.recv(10) == b"", "closed"
+    assert server.epoch == 1
+    for number, client in enumerate(clients):
+        client.sendall(b"%d" % number)
+    assert sorted(collect(server, 3).values()) == [b"0", b"1", b"2"]
+    server.send(b"to all", 0)
+    for client in clients:
+        client.settimeout(PATIENCE_S)
+        assert client.recv(10) == b"to all"
+        client.close()
+
+
+def test_connections_are_bounded_and_a_silent_one_makes_room(opened, caplog):
+    caplog.set_level("INFO", "attest_mav")
+    server = opened("tcpin:127.0.0.1:0")
+    clients = []
+    for number in range(MAX_CLIENTS + 3):
+        clients.append(socket.create_connection(other_end(server.url)))
+        receive(server, number)
+        assert len(server.clients) <= MAX_CLIENTS
+    for late in clients[MAX_CLIENTS:]:
+        late.settimeout(PATIENCE_S)
+        assert late.recv(1) == b"", "refused"
+    clients[0].sendall(b"here")
+    receive(server, IDLE_NS)
+    back = socket.create_connection(other_end(server.url))
+    receive(server, IDLE_NS + MAX_CLIENTS)
+    back.sendall(b"back")
+    assert collect(server, 1, IDLE_NS + MAX_CLIENTS) == {MAX_CLIENTS + 1: b"back"}
+    clients[1].settimeout(PATIENCE_S)
+    assert clients[1].recv(1) == b"", "the one that was silent longest"
+    assert len([message for message in caplog.messages if "connected" in message]) == 1
+    for client in [*clients, back]:
+        client.close()
 
 
 def test_a_reader_that_does_not_read_costs_whole_messages_and_no_memory(opened):
@@ -236,7 +321,8 @@ def test_a_reader_that_does_not_read_costs_whole_messages_and_no_memory(opened):
             server.send(message, 0)
             count += 1
             assert count < 200_000
-        assert len(server.out.data) <= BUFFER_BYTES
+        (client,) = server.clients.values()
+        assert len(client.out.data) <= BUFFER_BYTES
         slow.setblocking(False)
         got = bytearray()
         while len(got) < (count - 10) * 100:

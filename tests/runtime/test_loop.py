@@ -99,6 +99,7 @@ def test_a_foreign_descriptor_and_a_timer_are_served_while_links_run(loop, pair,
 
     def answer(data, now_ns):
         got["listener"] += data
+        listener.confirm(now_ns)
         listener.send(data.upper(), now_ns)
 
     def hear(data, _now_ns):

@@ -5,6 +5,7 @@ import math
 import re
 
 import pytest
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from attest_mav.estimation.events import Agreement
 from attest_mav.mavlink.component.encoder import Encoder
@@ -132,7 +133,7 @@ def test_an_attitude_that_is_held_back_is_said(flight):
     f.service.receive(0, Encoder(f.vehicle.dialect, 1, 191).heartbeat(18, 8, 0, 4), f.now_ns)
     f.run_until(4.0)
     assert f.of_type("ATTITUDE_QUATERNION", 3.1) == []
-    assert f.status().endswith("held back on udpin::0")
+    assert f.status().endswith("held back on udpin::0 for component 191")
 
 
 def test_a_message_that_is_denied_gives_way_to_one_that_is_not(flight):
@@ -244,17 +245,19 @@ def test_the_settings_are_read_from_the_autopilot_before_the_first_sample(flight
 def test_the_settings_are_asked_again_after_a_reboot_and_hold_until_then(flight):
     f = flight(VELOCITY_AIDED, sim(faults=["reboot@4"]))
     f.run_until(3.0)
-    f.service.receive(0, parameter(f, 60.0), f.now_ns)
-    assert low_pass_hz(f) == 60.0
+    station = mavlink.MAVLink(None, srcSystem=255, srcComponent=190)
+    change = mavlink.MAVLink_param_set_message(1, 1, b"INS_GYRO_FILTER", 60.0, mavlink.MAV_PARAM_TYPE_REAL32)
+    f.vehicle.handle(change.pack(station), f.now_ns)
     f.run_until(3.9)
+    assert low_pass_hz(f) == 60.0
+    f.run_until(5.9)
     assert low_pass_hz(f) == 60.0
     f.run_until(9.0)
     assert [one.param_id for one in f.of_type("PARAM_REQUEST_READ", 4.0)] == [*FOR_THE_FILTER, *FOR_THE_FRAME]
-    assert low_pass_hz(f) == 20.0
+    assert low_pass_hz(f) == 60.0
     assert [text for text in f.texts if text.startswith("the autopilot's gyro")] == [
         "the autopilot's gyro low-pass is 20 Hz (INS_GYRO_FILTER)",
         "the autopilot's gyro low-pass is 60 Hz (INS_GYRO_FILTER)",
-        "the autopilot's gyro low-pass is 20 Hz (INS_GYRO_FILTER)",
     ]
 
 
@@ -371,6 +374,10 @@ def test_a_camera_that_claims_an_autopilot_changes_nothing(flight):
     assert f.raw == alone.raw
 
 
+def notes(f):
+    return [note.text for note in f.service.take_notes()]
+
+
 def test_the_estimate_of_another_component_is_not_carried_over_to_the_autopilot(flight):
     """Their inertial messages have the same name, but another sensor, clock and unit stands behind them."""
     f = flight("[streams]\nimu_messages = ['HIGHRES_IMU']", sim(personality="px4"))
@@ -384,7 +391,13 @@ def test_the_estimate_of_another_component_is_not_carried_over_to_the_autopilot(
         f.service.poll(now_ns)
     assert f.snapshot().lanes
     f.now_ns = 7 * SECOND
-    f.service.receive(0, Encoder(f.vehicle.dialect, 1, 1).heartbeat(2, 12, 0, 4), f.now_ns)
+    autopilot = Encoder(f.vehicle.dialect, 1, 1)
+    f.service.receive(0, autopilot.heartbeat(2, 12, 0, 4), f.now_ns)
+    assert f.snapshot().lanes, "the other one brings samples and goes on"
+    assert any("component 1 of system 1 is an autopilot too" in text for text in f.texts + notes(f))
+    f.now_ns = 11 * SECOND
+    f.service.poll(f.now_ns)
+    f.service.receive(0, autopilot.heartbeat(2, 12, 0, 4), f.now_ns)
     assert f.snapshot().lanes == ()
     assert f.service.estimate is None
 

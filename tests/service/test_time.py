@@ -7,6 +7,7 @@ import pytest
 
 from attest_mav.config.records import parse_config
 from attest_mav.mavlink.component.encoder import Encoder
+from attest_mav.mavlink.wire.checksum import with_checksum
 from attest_mav.sim.fault_text import parse_faults
 from attest_mav.sim.settings import SimSettings
 
@@ -186,6 +187,13 @@ STAMPED = {
 """Messages that begin with a time stamp, with its unit, s."""
 
 
+def renumbered(frame, dialect):
+    """The frame under another sequence number."""
+    head = bytearray(frame[:-2])
+    head[4] = (head[4] + 100) % 256
+    return with_checksum(bytes(head), dialect.by_id[message_id(frame)].crc_extra)
+
+
 def restamped(frame, dialect, error_s):
     """A frame with another time stamp."""
     name, code, unit = STAMPED[message_id(frame)]
@@ -230,12 +238,13 @@ def test_one_wrong_time_stamp_changes_nothing(line, dialect, error_s, beside):
 
 @pytest.mark.parametrize("rate_hz", [50.0, 200.0])
 @pytest.mark.parametrize("stretch_s", [0.06, 0.25, 0.5])
-def test_a_stretch_that_comes_twice_costs_no_state(line, rate_hz, stretch_s):
+def test_a_stretch_that_comes_twice_costs_no_state(line, dialect, rate_hz, stretch_s):
+    """The second time under other sequence numbers: as copies of the same frames they would not reach the lane."""
     f = line(f"{ONE_SENSOR}imu_hz = {rate_hz}", rate_hz=rate_hz)
     past = []
 
     def again(frame):
-        return [frame, *[one for t_s, one in past if t_s > past[-1][0] - stretch_s]]
+        return [frame, *[renumbered(one, dialect) for t_s, one in past if t_s > past[-1][0] - stretch_s]]
 
     repeat = once_in(1.0, again)
 

@@ -3,26 +3,26 @@
 A filter needs some of them; others tell the rotation between the reported attitude and the inertial messages. Each
 parameter is requested by name with PARAM_REQUEST_READ, one at a time. An autopilot does not answer for a name that it
 does not have, and names change between releases. The names of a setting are therefore tried in turn, at doubling
-intervals; without an answer the filter keeps its own assumption.
+intervals; without an answer the filter keeps its own assumption. A value that comes unasked is asked again before it
+counts (``parameter_request``), unless nothing may be asked.
 """
 
 from collections.abc import Sequence
 from math import isfinite
 from typing import Final
 
+from attest_mav.mavlink.component.line_limit import LineLimit
 from attest_mav.mavlink.component.notes import Notebook
+from attest_mav.mavlink.component.parameter_request import MAX_TRIES, Answer, ParameterRequest, same
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_INVALID
 from attest_mav.mavlink.decode.autopilot_parameters import names_of
 from attest_mav.vehicle_reports import ParameterSample
 from attest_mav.vehicle_settings import Setting, VehicleSettings, quantity, with_unit
 
-FIRST_PAUSE_NS: Final = 1_000_000_000
-"""Pause after the first request; it doubles after each one."""
-MAX_TRIES: Final = 6
-"""Requests at 0, 1, 3, 7, 15 and 31 s; given up at 63 s. The early ones may be lost while the autopilot boots or a
-ground station downloads all parameters."""
 SPACING_NS: Final = 50_000_000
 """Two requests are at least this far apart: a slow radio link carries them beside everything else."""
+DOUBT_PAUSE_NS: Final = 60_000_000_000
+"""After a value was refuted or contradicted, the same setting is asked again after this time at the earliest."""
 
 FRAME_SETTINGS: Final = (
     Setting.TRIM_X,
@@ -40,23 +40,6 @@ HOVER_SETTINGS: Final = (Setting.HOVER_PITCH_TRIM, Setting.TAILSITTER, Setting.H
 """Requested besides of a plane that hovers; others do not have them."""
 
 
-class ParameterRequest:
-    """An open request for one setting: the names under which autopilots have it, tried in turn."""
-
-    def __init__(self, setting: Setting, names: list[str], now_ns: int) -> None:
-        self.setting: Final = setting
-        self.names: Final = names
-        self.tries = 0
-        self.due_ns = now_ns
-
-    def next_name(self, now_ns: int) -> str:
-        """The name to request now; the next request follows after the doubled pause."""
-        name = self.names[self.tries % len(self.names)]
-        self.due_ns = now_ns + (FIRST_PAUSE_NS << self.tries)
-        self.tries += 1
-        return name
-
-
 class AutopilotSettings:
     """The settings of one vehicle and the open requests for them. ``poll`` returns names to request; it does not send.
 
@@ -68,12 +51,17 @@ class AutopilotSettings:
     def __init__(self, asks: bool, default_settings: VehicleSettings, notebook: Notebook) -> None:
         self.hovers = False
         """True once a plane has told that it can hover."""
+        self.doubts: Final[dict[Setting, str]] = {}
+        """Settings of which values came that the autopilot does not confirm, in words."""
         self._wanted: Final = [setting for setting in Setting if isfinite(default_settings.get(setting))]
         self._asks: Final = asks
         self._assumed: Final = default_settings
         self._notebook: Final = notebook
         self._open: list[ParameterRequest] = []
         self._noted: dict[Setting, str] = {}
+        self._known: Final[dict[Setting, float]] = {}
+        self._quiet_ns: Final[dict[Setting, int]] = {}
+        self._lines: Final = LineLimit()
         self._autopilot = MAV_AUTOPILOT_INVALID
         self._is_plane = False
         self._next_ns = 0
@@ -89,16 +77,64 @@ class AutopilotSettings:
         """Drop all requests and notes: there is no vehicle any more, or another one."""
         self._open = []
         self._noted = {}
+        self._known.clear()
+        self._quiet_ns.clear()
+        self.doubts.clear()
 
-    def received(self, sample: ParameterSample) -> None:
-        """The vehicle sent a parameter, whoever had requested it."""
+    @property
+    def is_answered(self) -> bool:
+        """Whether the autopilot has answered a request for a parameter, or sent one that counts."""
+        return bool(self._known)
+
+    def received(self, sample: ParameterSample) -> bool:
+        """The vehicle sent a parameter, whoever had requested it; True when its value counts."""
+        if self._asks and not self._is_proven(sample):
+            return False
         setting = sample.setting
+        self._known[setting] = sample.value
         self._open = [request for request in self._open if request.setting != setting]
         if setting == Setting.HOVERS and sample.value != 0.0 and not self.hovers:
             self.hovers = True
             self._request(HOVER_SETTINGS, sample.rx_ns)
-        if setting not in self._wanted:
-            return
+        if setting in self._wanted:
+            self._note_value(sample)
+        return True
+
+    def _is_proven(self, sample: ParameterSample) -> bool:
+        """Whether the value answers requests of ours; if not, the next steps are taken to find out."""
+        setting, value, now_ns = sample.setting, sample.value, sample.rx_ns
+        known = self._known.get(setting)
+        request = next((one for one in self._open if one.setting == setting), None)
+        if request is None:
+            if known is not None and same(value, known):
+                return True
+            due_ns = max(now_ns, self._quiet_ns.get(setting, now_ns))
+            self._open.append(ParameterRequest(setting, [sample.name], due_ns, is_doubt=known is not None))
+            return False
+        if request.tries == 0:
+            return False
+        answer = request.judge(value, known, now_ns)
+        if answer == Answer.COUNTS:
+            self.doubts.pop(setting, None)
+            return True
+        if answer != Answer.UNPROVEN and known is not None:
+            self._doubt(sample, known, answer)
+        return False
+
+    def _doubt(self, sample: ParameterSample, known: float, answer: Answer) -> None:
+        """Keep the known value, and say that there is another sender."""
+        setting = sample.setting
+        self._open = [request for request in self._open if request.setting != setting]
+        self._quiet_ns[setting] = sample.rx_ns + DOUBT_PAUSE_NS
+        reason = "a value came unasked" if answer == Answer.REFUTED else "it is told with two values"
+        self.doubts[setting] = f"{sample.name}: {reason}, {with_unit(setting, known)} is kept"
+        suffix = self._lines.suffix(sample.name, sample.rx_ns)
+        if suffix is not None:
+            self._notebook.warning(f"{self.doubts[setting]}: another sender uses the autopilot's ids{suffix}")
+
+    def _note_value(self, sample: ParameterSample) -> None:
+        """Note the value of a setting that the filter wants."""
+        setting = sample.setting
         subject = f"the autopilot's {quantity(setting)}"
         if isfinite(sample.value):
             self._note(setting, f"{subject} is {with_unit(setting, sample.value)} ({sample.name})")
@@ -134,6 +170,8 @@ class AutopilotSettings:
     def _give_up(self, request: ParameterRequest) -> None:
         """Note a setting that is missed; a trim once for all its angles."""
         setting = request.setting
+        if setting in self._known:
+            return
         if setting in self._wanted:
             consequence = self._assumption(setting)
         elif setting == Setting.TRIM_X:

@@ -1,10 +1,17 @@
-"""Answers to commands of other components: our outputs can be requested and retimed; other commands are refused."""
+"""Answers to commands of other components: our outputs can be requested and retimed; other commands are refused.
+
+At most ``COMMANDS_PER_S`` commands are answered in a second on a link; more are dropped without an answer, since each
+answer may be larger than its command.
+"""
 
 from math import isfinite
 from typing import Final
 
+from attest_mav.mavlink.component.line_limit import LineLimit
+from attest_mav.mavlink.component.notes import Notebook
 from attest_mav.mavlink.component.outputs import Publication
 from attest_mav.mavlink.component.ports import Port
+from attest_mav.mavlink.component.schedule import LONGEST_NS, SHORTEST_NS, STOPPED, Station
 from attest_mav.mavlink.constants import (
     MAV_CMD_REQUEST_MESSAGE,
     MAV_CMD_SET_MESSAGE_INTERVAL,
@@ -18,6 +25,9 @@ from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.framer import Frame
 
 NO_MESSAGE: Final = -1
+COMMANDS_PER_S: Final = 20
+"""Commands answered in a second on a link: a ground station sends a dozen when it connects."""
+SECOND_NS: Final = 1_000_000_000
 
 
 class Command:
@@ -51,21 +61,53 @@ class CommandReader:
         return Command(frame.system, frame.component, target_system, target_component, number, param1, param2)
 
 
-def answer(command: Command, port: Port, publication: Publication | None, state: int) -> None:
-    """Carry out a command that is addressed to us and acknowledge it on the link it came from.
+class CommandDesk:
+    """Answers the commands that arrive on one link. ``port``: its sending side."""
 
-    An unknown command is refused only when it is addressed to this component alone: the sender of a command to all
-    components would take our refusal for the autopilot's.
-    """
-    if command.number == MAV_CMD_REQUEST_MESSAGE:
-        result = _request_message(command.param1, port, publication, state)
-    elif command.number == MAV_CMD_SET_MESSAGE_INTERVAL:
-        result = _set_interval(command.param1, command.param2, port)
-    else:
-        result = MAV_RESULT_UNSUPPORTED
-    if result == MAV_RESULT_UNSUPPORTED and command.target_component == 0:
-        return
-    port.put(port.encoder.command_ack(command.number, result, command.system, command.component))
+    def __init__(self, port: Port, notebook: Notebook) -> None:
+        self.dropped = 0
+        """Commands left without an answer so far, because there were too many."""
+        self._port: Final = port
+        self._notebook: Final = notebook
+        self._lines: Final = LineLimit()
+        self._second_ns = 0
+        self._answered = 0
+
+    def answer(self, command: Command, publication: Publication | None, state: int, now_ns: int) -> None:
+        """Carry out a command that is addressed to us and acknowledge it.
+
+        An unknown command is refused only when it is addressed to this component alone: the sender of a command to all
+        components would take our refusal for the autopilot's.
+        """
+        station = Station(command.system, command.component)
+        if not self._may_answer(station, now_ns):
+            return
+        if command.number == MAV_CMD_REQUEST_MESSAGE:
+            result = _request_message(command.param1, self._port, publication, state)
+        elif command.number == MAV_CMD_SET_MESSAGE_INTERVAL:
+            result = _set_interval(command, self._port, station, now_ns)
+        else:
+            result = MAV_RESULT_UNSUPPORTED
+        if result == MAV_RESULT_UNSUPPORTED and command.target_component == 0:
+            return
+        port = self._port
+        port.put(port.encoder.command_ack(command.number, result, command.system, command.component))
+
+    def _may_answer(self, station: Station, now_ns: int) -> bool:
+        """Whether one more command is answered in this second."""
+        if not 0 <= now_ns - self._second_ns < SECOND_NS:
+            self._second_ns, self._answered = now_ns, 0
+        self._answered += 1
+        if self._answered <= COMMANDS_PER_S:
+            return True
+        self.dropped += 1
+        suffix = self._lines.suffix("flood", now_ns)
+        if suffix is not None:
+            self._notebook.warning(
+                f"{self._port.name}: more than {COMMANDS_PER_S} commands a second, the last from {station.name}; "
+                f"the others are not answered{suffix}"
+            )
+        return False
 
 
 def _request_message(message: float, port: Port, publication: Publication | None, state: int) -> int:
@@ -74,26 +116,27 @@ def _request_message(message: float, port: Port, publication: Publication | None
     if message_id == MAVLINK_MSG_ID_HEARTBEAT:
         port.heartbeat(state)
         return MAV_RESULT_ACCEPTED
-    if port.schedule_of(message_id) is None:
+    if not port.has_output(message_id):
         return MAV_RESULT_UNSUPPORTED
     if publication is None or not port.put_output(message_id, publication):
         return MAV_RESULT_TEMPORARILY_REJECTED
     return MAV_RESULT_ACCEPTED
 
 
-def _set_interval(message: float, interval_us: float, port: Port) -> int:
+def _set_interval(command: Command, port: Port, station: Station, now_ns: int) -> int:
     """Set the interval of an output on this link, us: -1 stops it, 0 is the default."""
-    schedule = port.schedule_of(_message_id(message))
-    if schedule is None:
+    message_id, interval_us = _message_id(command.param1), command.param2
+    if not port.has_output(message_id):
         return MAV_RESULT_UNSUPPORTED
-    if not isfinite(interval_us) or abs(interval_us) > 1e9:
+    if not isfinite(interval_us) or 1000.0 * interval_us > LONGEST_NS:
         return MAV_RESULT_DENIED
     if interval_us < 0.0:
-        schedule.period_ns = -1
+        period_ns: int | None = STOPPED
     elif interval_us == 0.0:
-        schedule.period_ns = schedule.default_ns
+        period_ns = None
     else:
-        schedule.period_ns = int(1000.0 * interval_us)
+        period_ns = max(int(1000.0 * interval_us), SHORTEST_NS)
+    port.set_interval(message_id, period_ns, station, now_ns)
     return MAV_RESULT_ACCEPTED
 
 

@@ -1,8 +1,9 @@
 """Finds the vehicle: the one system whose HEARTBEAT names an autopilot and a type that can move.
 
 Cameras, gimbals and ground stations send heartbeats too. Most have MAV_AUTOPILOT_INVALID; those with a generic
-autopilot are recognised by their MAV_TYPE. The autopilot is component 1 of its system. Another component that claims to
-be the autopilot is accepted only while no component 1 is heard, and is replaced by component 1 on any link.
+autopilot are recognised by their MAV_TYPE. The autopilot is component 1 of its system. Another component that claims
+to be the autopilot is accepted only while no component 1 is heard, and is replaced by component 1 on any link, unless
+it has brought samples and goes on to be heard.
 
 A vehicle that was found is kept: it may fall silent, reboot, or return on another link. While several vehicles are
 heard from the start, none is chosen.
@@ -10,55 +11,9 @@ heard from the start, none is chosen.
 
 from typing import Final
 
+from attest_mav.mavlink.component.no_vehicles import NO_VEHICLES
 from attest_mav.mavlink.component.notes import Notebook
-from attest_mav.mavlink.constants import (
-    MAV_AUTOPILOT_INVALID,
-    MAV_COMP_ID_AUTOPILOT1,
-    MAV_TYPE_ADSB,
-    MAV_TYPE_ANTENNA_TRACKER,
-    MAV_TYPE_BATTERY,
-    MAV_TYPE_CAMERA,
-    MAV_TYPE_CHARGING_STATION,
-    MAV_TYPE_FLARM,
-    MAV_TYPE_GCS,
-    MAV_TYPE_GIMBAL,
-    MAV_TYPE_GPS,
-    MAV_TYPE_GRIPPER,
-    MAV_TYPE_ILLUMINATOR,
-    MAV_TYPE_IMU,
-    MAV_TYPE_LOG,
-    MAV_TYPE_ODID,
-    MAV_TYPE_ONBOARD_CONTROLLER,
-    MAV_TYPE_OSD,
-    MAV_TYPE_PARACHUTE,
-    MAV_TYPE_SERVO,
-    MAV_TYPE_WINCH,
-)
-
-NO_VEHICLES: Final = frozenset(
-    [
-        MAV_TYPE_ANTENNA_TRACKER,
-        MAV_TYPE_GCS,
-        MAV_TYPE_ONBOARD_CONTROLLER,
-        MAV_TYPE_GIMBAL,
-        MAV_TYPE_ADSB,
-        MAV_TYPE_CAMERA,
-        MAV_TYPE_CHARGING_STATION,
-        MAV_TYPE_FLARM,
-        MAV_TYPE_SERVO,
-        MAV_TYPE_ODID,
-        MAV_TYPE_BATTERY,
-        MAV_TYPE_PARACHUTE,
-        MAV_TYPE_LOG,
-        MAV_TYPE_OSD,
-        MAV_TYPE_IMU,
-        MAV_TYPE_GPS,
-        MAV_TYPE_WINCH,
-        MAV_TYPE_ILLUMINATOR,
-        MAV_TYPE_GRIPPER,
-    ]
-)
-"""Values of MAV_TYPE that are no vehicles."""
+from attest_mav.mavlink.constants import MAV_AUTOPILOT_INVALID, MAV_COMP_ID_AUTOPILOT1, MAV_TYPE_GCS
 
 AMBIGUITY_NS: Final = 3_000_000_000
 """A second vehicle that is heard within this time after the first leaves the choice to chance, so none is chosen. A
@@ -103,6 +58,9 @@ class VehicleDiscovery:
         """Whether the vehicle's heartbeats arrive, on a link that has not broken since."""
         self.ambiguity = ""
         """Why no vehicle is chosen although there are some; empty otherwise."""
+        self.brings_samples = False
+        """Whether the vehicle has proven to be one; set by the companion."""
+        self._heard_on: Final[dict[int, int]] = {}
         self._wanted_system: Final = wanted_system
         self._notebook: Final = notebook
         self._claims: Final[dict[int, _Claim]] = {}
@@ -110,6 +68,7 @@ class VehicleDiscovery:
         self._heard_ns = 0
         self._next_reminder_ns = 0
         self._reported: list[int] = []
+        self._is_component_reported = False
 
     def heartbeat(self, link: int, system: int, component: int, vehicle_type: int, autopilot: int, now_ns: int) -> bool:
         """Take one heartbeat; True when it made the vehicle known, for the first time or again."""
@@ -130,14 +89,33 @@ class VehicleDiscovery:
             return False
         self.vehicle = None
         self.present = False
+        self.brings_samples = False
         return self._choose(heard, claim, now_ns)
 
     def settled(self, now_ns: int) -> bool:
         """Whether the choice stands, whichever other vehicle is heard."""
         return self.vehicle is not None and now_ns - self._found_ns >= AMBIGUITY_NS
 
+    def move(self, link: int) -> None:
+        """Request the vehicle's data on this link from now on."""
+        known = self.vehicle
+        if known is not None and known.link != link:
+            self.vehicle = Vehicle(known.system, known.component, known.autopilot, known.vehicle_type, link)
+            self.present = link in self._heard_on
+            self._heard_ns = self._heard_on.get(link, self._heard_ns)
+
+    def other_link(self, now_ns: int) -> int:
+        """The next link on which the vehicle's heartbeats come too, -1 where there is none."""
+        known = self.vehicle
+        if known is None:
+            return -1
+        heard = sorted(one for one, heard_ns in self._heard_on.items() if now_ns - heard_ns < SILENCE_NS)
+        others = [one for one in heard if one > known.link] + [one for one in heard if one < known.link]
+        return others[0] if others else -1
+
     def link_broken(self, link: int) -> None:
         """The link ended or began anew: a fresh heartbeat is needed before anything is requested."""
+        self._heard_on.pop(link, None)
         if self.vehicle is not None and self.vehicle.link == link:
             self.present = False
 
@@ -200,20 +178,38 @@ class VehicleDiscovery:
         Another link is taken only when the known one is silent.
         """
         if heard.component == known.component:
+            self._heard_on[heard.link] = now_ns
             if self.present and heard.link == known.link:
                 self._heard_ns = now_ns
             if self.present:
                 return False
         elif heard.component != MAV_COMP_ID_AUTOPILOT1:
             return False
+        elif self.present and self.brings_samples:
+            self._report_component(known)
+            return False
         self._take(heard, "found again" if heard.component == known.component else "found", now_ns)
         return True
 
     def _take(self, vehicle: Vehicle, found: str, now_ns: int) -> None:
         self._notebook.info(f"vehicle {found}: system {vehicle.system}, component {vehicle.component}")
+        if self.vehicle is None or vehicle.component != self.vehicle.component:
+            self.brings_samples = False
+            self._heard_on.clear()
+        self._heard_on[vehicle.link] = now_ns
         self.vehicle = vehicle
         self.present = True
         self._heard_ns = now_ns
+
+    def _report_component(self, known: Vehicle) -> None:
+        """Report once that component 1 claims to be the autopilot beside the one that is used."""
+        if self._is_component_reported:
+            return
+        self._is_component_reported = True
+        self._notebook.warning(
+            f"component 1 of system {known.system} is an autopilot too; component {known.component} is kept, "
+            "since it brings samples"
+        )
 
     def _report_several(self, rivals: list[int], now_ns: int) -> None:
         """Several vehicles: leave a note, and repeat it after a pause."""

@@ -32,7 +32,15 @@ class ImuChoice:
     def __init__(self, messages: list[str], now_ns: int) -> None:
         self.chosen = ""
         """The candidate in use, "" while there is none."""
+        self.rounds = 0
+        """How often all candidates have failed since one was chosen last."""
         self._messages: Final = messages
+        self._index = 0
+        self._due_ns = now_ns + PATIENCE_NS
+        self._patience_ns = PATIENCE_NS
+
+    def begin_round(self, now_ns: int) -> None:
+        """Try all candidates again from the first one, on another link."""
         self._index = 0
         self._due_ns = now_ns + PATIENCE_NS
         self._patience_ns = PATIENCE_NS
@@ -47,6 +55,7 @@ class ImuChoice:
         if message != self.candidate:
             return False
         self.chosen = message
+        self.rounds = 0
         self._due_ns = now_ns + SILENCE_NS
         return True
 
@@ -64,6 +73,7 @@ class ImuChoice:
             self._index += 1
             if self._index == len(self._messages):
                 self._index = 0
+                self.rounds += 1
                 self._patience_ns = LONG_PATIENCE_NS
         self._due_ns = now_ns + self._patience_ns
         return True

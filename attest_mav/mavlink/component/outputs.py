@@ -118,6 +118,9 @@ OUTPUTS: Final = (
 """ArduPilot writes the named values into its own log; nobody uses ATTITUDE_QUATERNION_COV unasked."""
 
 
+SUBSTITUTE: Final = "ATTITUDE_QUATERNION_COV"
+"""The message that goes out in the place of outputs that mislead, while those are held back."""
+
 OUTPUT_NAMES: Final = (*[output.name for output in OUTPUTS], TEXTS)
 """All names that ``publish`` can list."""
 

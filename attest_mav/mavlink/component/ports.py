@@ -4,16 +4,17 @@ from dataclasses import dataclass
 from typing import Final
 
 from attest_mav.mavlink.component.encoder import Encoder
+from attest_mav.mavlink.component.line_limit import LineLimit
 from attest_mav.mavlink.component.notes import Notebook
-from attest_mav.mavlink.component.outputs import OUTPUTS, TEXTS, Output, Publication, is_sound
+from attest_mav.mavlink.component.onboard import SUBSTITUTE_NS, OnboardWatch
+from attest_mav.mavlink.component.outputs import OUTPUTS, SUBSTITUTE, TEXTS, Output, Publication, is_sound
+from attest_mav.mavlink.component.schedule import STOPPED, Schedule, Station
 from attest_mav.mavlink.component.stream import StreamRequest
 from attest_mav.mavlink.component.timesync import AnswerLimit, TimeQuestion
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_INVALID, MAV_TYPE_ONBOARD_CONTROLLER
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
 
-ONBOARD_SILENCE_NS: Final = 5_000_000_000
-"""An onboard computer that has not been heard for this long is gone."""
 LAST_TEXT_ID: Final = 0xFFFF
 """The largest STATUSTEXT.id."""
 REMEMBERED_HEARTBEATS: Final = 16
@@ -33,32 +34,21 @@ class PortSettings:
     """All outputs that can be published or requested."""
 
 
-class Schedule:
-    """Lets through as many samples of a clock as a rate allows. ``period_ns`` 0 lets all through, < 0 none."""
-
-    def __init__(self, period_ns: int) -> None:
-        self.default_ns: Final = period_ns
-        self.period_ns = period_ns
-        self._next_ns = -1
-
-    def due(self, t_ns: int) -> bool:
-        """Whether the sample at ``t_ns`` is to be sent. A tenth of a period early still counts: clocks jitter."""
-        period_ns = self.period_ns
-        if period_ns <= 0:
-            return period_ns == 0
-        ahead_ns = self._next_ns - t_ns
-        if period_ns // 10 < ahead_ns <= 2 * period_ns:  # further ahead, the clock has gone back
-            return False
-        self._next_ns = self._next_ns + period_ns if abs(ahead_ns) <= period_ns else t_ns + period_ns
-        return True
-
-
 class Channel:
-    """One output on one link."""
+    """One output on one link. substitute: its schedule in the place of an output that is held back, if it is one."""
 
-    def __init__(self, output: Output, schedule: Schedule) -> None:
+    def __init__(self, output: Output, schedule: Schedule, substitute: Schedule | None) -> None:
         self.output: Final = output
         self.schedule: Final = schedule
+        self._substitute: Final = substitute
+
+    def due(self, t_ns: int, holds_back: bool) -> bool:
+        """Whether the sample at ``t_ns`` is to be sent. holds_back: outputs that mislead are held back."""
+        if holds_back and self.output.misleads:
+            return False
+        if holds_back and self._substitute is not None and self.schedule.period_ns == STOPPED:
+            return self._substitute.due(t_ns)
+        return self.schedule.due(t_ns)
 
 
 class Port:
@@ -78,9 +68,11 @@ class Port:
         self.settings: Final = settings
         self.encoder = Encoder(dialect, system, component)
         self.attitudes_sent = 0
-        """Frames of outputs that carry estimates so far."""
+        """Estimates published so far, each counted once in whichever forms; those sent on request are not counted."""
         self._channels: Final[dict[int, Channel]] = {
-            dialect.id_of(output.message): Channel(output, _schedule(output, settings, hz))
+            dialect.id_of(output.message): Channel(
+                output, _schedule(output, settings, hz), _substitute(output, settings, hz)
+            )
             for output in settings.outputs
             if not output.with_heartbeat
         }
@@ -95,10 +87,9 @@ class Port:
         self._notes: Final = notes
         self._out: list[bytes] = []
         self._heartbeats: list[int] = []
-        self._onboard_heard_ns = -ONBOARD_SILENCE_NS
+        self._onboard: Final = OnboardWatch()
+        self._lines: Final = LineLimit()
         self._time_limit: Final = AnswerLimit()
-        self.held = False
-        """Outputs that can be taken for the autopilot's own are held back at present."""
 
     def take(self) -> list[bytes]:
         """The frames to write, oldest first; each is handed out once."""
@@ -140,25 +131,67 @@ class Port:
 
     def onboard_heard(self, component: int, now_ns: int) -> None:
         """Another onboard computer of the vehicle is heard: it may take our attitude for the autopilot's."""
-        self._onboard_heard_ns = now_ns
-        if self._misleading and self.settings.yields and not self.held:
-            self.held = True
-            self._notes.warning(
-                f"{self.name}: {self._misleading} is held back: component {component} is an onboard computer too "
-                f"({self._misled} would take ours for the autopilot's); see yield_to_onboard"
+        if self._misleading and self.settings.yields and self._onboard.heard(component, now_ns):
+            self._note(
+                "onboard",
+                f"{self._misleading} is held back: component {component} is an onboard computer too "
+                f"({self._misled} would take ours for the autopilot's); {SUBSTITUTE} goes out instead; "
+                "see yield_to_onboard",
+                now_ns,
             )
 
-    def publish(self, publication: Publication, now_ns: int) -> None:
-        """Send the estimate in the forms and at the rates of this link."""
-        if self.held and now_ns - self._onboard_heard_ns >= ONBOARD_SILENCE_NS:
-            self.held = False
-            self._notes.info(f"{self.name}: the other onboard computer is gone; {self._misleading} is sent again")
+    @property
+    def held_for(self) -> int:
+        """Component for which outputs that can be taken for the autopilot's own are held back, 0 for none."""
+        return self._onboard.component
+
+    def station_heard(self, system: int, component: int, now_ns: int) -> None:
+        """A station is heard: intervals that it has set may go on."""
         for channel in self._channels.values():
-            output = channel.output
-            if publication.confidence < output.least or (self.held and output.misleads):
+            interval = channel.schedule.interval
+            if interval is not None and interval.station.system == system and interval.station.component == component:
+                interval.heard_ns = now_ns
+
+    def poll(self, now_ns: int) -> None:
+        """End the intervals that others have set when their time has come, and what is held back likewise."""
+        if self._onboard.left(now_ns):
+            self._note("onboard-end", f"the other onboard computer is gone; {self._misleading} is sent again", now_ns)
+        for channel in self._channels.values():
+            schedule = channel.schedule
+            reason = "" if schedule.interval is None else schedule.interval.ended(now_ns)
+            if reason and schedule.restore():
+                text = f"{channel.output.message} is back at its own rate, {schedule.rate_text}: {reason}"
+                self._note("interval-end", text, now_ns)
+
+    def set_interval(self, message_id: int, period_ns: int | None, station: Station, now_ns: int) -> None:
+        """Take an interval of a station for an output that has a schedule, ns; None goes back to our own."""
+        channel = self._channels[message_id]
+        schedule = channel.schedule
+        changed = schedule.restore() if period_ns is None else schedule.set_by(station, period_ns, now_ns)
+        if changed:
+            self._note("interval", f"{station.name} has set {channel.output.message} to {schedule.rate_text}", now_ns)
+
+    @property
+    def changes(self) -> list[str]:
+        """What other stations have changed here, each in a few words."""
+        return [
+            f"{channel.output.message} set to {channel.schedule.rate_text} by {channel.schedule.interval.station.name}"
+            for channel in self._channels.values()
+            if channel.schedule.interval is not None
+        ]
+
+    def publish(self, publication: Publication) -> None:
+        """Send the estimate in the forms and at the rates of this link."""
+        holds_back = self.held_for != 0
+        sent = 0
+        for channel in self._channels.values():
+            if publication.confidence < channel.output.least or not is_sound(publication.estimate):
                 continue
-            if channel.schedule.due(publication.estimate.t_ns):
-                self._put_output(output, publication)
+            if channel.due(publication.estimate.t_ns, holds_back):
+                frames = channel.output.frames(self.encoder, publication)
+                sent += len(frames)
+                self._out += frames
+        self.attitudes_sent += 1 if sent else 0
 
     def publish_beside_heartbeat(self, publication: Publication) -> None:
         """Send the outputs of this link that go with the heartbeat."""
@@ -177,30 +210,35 @@ class Port:
 
         Another onboard computer takes each answer of its vehicle for the autopilot's.
         """
-        others = now_ns - self._onboard_heard_ns < ONBOARD_SILENCE_NS
-        if not (question.is_for_all and others) and self._time_limit.allows(now_ns):
+        if not (question.is_for_all and self._onboard.component) and self._time_limit.allows(now_ns):
             self.put(self.encoder.timesync(max(1, now_ns), question.ts1_ns, asker.system, asker.component))
 
-    def schedule_of(self, message_id: int) -> Schedule | None:
-        """The schedule of an output, whether it is published here or not; None for other messages."""
-        channel = self._channels.get(message_id)
-        return None if channel is None else channel.schedule
+    def has_output(self, message_id: int) -> bool:
+        """Whether this message can be requested and retimed here, whether it is published or not."""
+        return message_id in self._channels
 
     def put_output(self, message_id: int, publication: Publication) -> bool:
-        """Send an output now that has a schedule; False where the estimate is not to be believed so far."""
+        """Send an output now that can be requested; False where the estimate is not to be believed so far."""
         output = self._channels[message_id].output
         if publication.confidence < output.least:
             return False
-        self._put_output(output, publication)
+        if is_sound(publication.estimate):
+            self._out += output.frames(self.encoder, publication)
         return True
 
-    def _put_output(self, output: Output, publication: Publication) -> None:
-        if is_sound(publication.estimate):
-            frames = output.frames(self.encoder, publication)
-            self.attitudes_sent += len(frames)
-            self._out += frames
+    def _note(self, kind: str, text: str, now_ns: int) -> None:
+        """Leave a warning on this link, at most one of a kind in a minute."""
+        suffix = self._lines.suffix(kind, now_ns)
+        if suffix is not None:
+            self._notes.warning(f"{self.name}: {text}{suffix}")
 
 
 def _schedule(output: Output, settings: PortSettings, hz: float) -> Schedule:
     """The schedule of an output on a link whose attitude has the rate ``hz``; silent where it is not published."""
-    return Schedule(int(1e9 / (output.hz or hz)) if output.name in settings.publish else -1)
+    return Schedule(int(1e9 / (output.hz or hz)) if output.name in settings.publish else STOPPED)
+
+
+def _substitute(output: Output, settings: PortSettings, hz: float) -> Schedule | None:
+    """The schedule of the output that goes out in the place of one that is published and held back."""
+    misleads = any(one.misleads and one.name in settings.publish for one in settings.outputs)
+    return Schedule(max(int(1e9 / hz), SUBSTITUTE_NS)) if misleads and output.message == SUBSTITUTE else None

@@ -8,6 +8,8 @@ not deliver even after a second request is its ceiling: the request is then not 
 
 from typing import Final
 
+from attest_mav.mavlink.component.line_limit import LineLimit
+from attest_mav.mavlink.component.loss_meter import LossMeter
 from attest_mav.mavlink.component.notes import Notebook
 from attest_mav.mavlink.component.stream import LONGEST_PAUSE_NS, Stream, StreamRequest
 from attest_mav.mavlink.constants import (
@@ -40,6 +42,11 @@ class StreamManager:
         self.streams: list[Stream] = []
         self.asked: list[int] = []
         """Ids of all messages that were ever requested from the vehicle."""
+        self.loss: Final = LossMeter()
+        """What the link of the requests loses."""
+        self.unanswered = 0
+        """Requests given up without an answer since the last answer."""
+        self._lines: Final = LineLimit()
         self._asks: Final = asks
         self._notebook: Final = notebook
         self._queue: list[Stream] = []
@@ -92,6 +99,8 @@ class StreamManager:
         if stream is None or result == MAV_RESULT_IN_PROGRESS:
             return
         self._asking = None
+        self.unanswered = 0
+        stream.was_answered = True
         answer = RESULT_NAMES[result] if result < len(RESULT_NAMES) else f"result {result}"
         self._answered(stream, answer, now_ns)
         if result == MAV_RESULT_TEMPORARILY_REJECTED:
@@ -108,10 +117,18 @@ class StreamManager:
         self._overrider = who
         self._overridden_ns = now_ns
 
+    def pause(self, now_ns: int) -> None:
+        """The vehicle is away: nothing is requested and nothing measured; an open request is sent again afterwards."""
+        if self._asking is not None:
+            self._queue.insert(0, self._asking)
+            self._asking = None
+        for stream in self.streams:
+            stream.measure_anew(now_ns)
+
     def poll(self, now_ns: int) -> list[StreamRequest]:
         """Close the measuring windows that have ended, and return the requests that are due."""
         for stream in self.streams:
-            if stream.close_window(now_ns):
+            if stream.close_window(now_ns, 1.0 - self.loss.share):
                 self._judge(stream, now_ns)
         requests: list[StreamRequest] = []
         asking = self._asking
@@ -133,7 +150,7 @@ class StreamManager:
         """When ``poll`` is due: 0 is at once, None never."""
         if self._fallbacks or (self._asking is None and self._queue):
             return 0
-        deadlines = [stream.window_began_ns + stream.window_ns for stream in self.streams]
+        deadlines = [stream.window_end_ns(stream.window_began_ns) for stream in self.streams]
         if self._asking is not None:
             deadlines.append(self._ack_due_ns)
         return min(deadlines) if deadlines else None
@@ -148,8 +165,11 @@ class StreamManager:
     def _give_up(self, stream: Stream, now_ns: int) -> None:
         """No answer came: the older REQUEST_DATA_STREAM may still be understood."""
         self._asking = None
+        self.unanswered += 1
         self._answered(stream, "no answer", now_ns)
-        self._notebook.info(f"{stream.name} at {stream.hz:g} Hz: no answer to {MAX_TRIES} requests")
+        suffix = self._lines.suffix(f"unanswered {stream.name}", now_ns)
+        if suffix is not None:
+            self._notebook.info(f"{stream.name} at {stream.hz:g} Hz: no answer to {MAX_TRIES} requests{suffix}")
         self._fall_back(stream)
 
     def _answered(self, stream: Stream, answer: str, now_ns: int) -> None:
@@ -170,14 +190,25 @@ class StreamManager:
         if stream.is_optional and stream.achieved_hz == 0.0:
             self._find_absent(stream)
             return
+        if stream.low_windows == 0:
+            if stream.on_trial:
+                stream.helped(now_ns)
+            return
+        if stream.was_met and not self.loss.text:
+            stream.fell(now_ns)
         overridden = now_ns - self._overridden_ns < OVERRIDE_MEMORY_NS
-        if stream.on_trial and stream.low_windows > 0 and stream.unchanged() and not overridden:
+        if stream.on_trial and stream.unchanged() and stream.was_answered and not overridden:
             stream.ceiling_hz = stream.achieved_hz
             stream.low_windows = 0
             self._notebook.info(f"{stream.name}: {stream.achieved_hz:.1f} Hz is all that the autopilot gives")
         stream.on_trial = False
-        if stream.low_windows >= LOW_WINDOWS and now_ns >= stream.ask_again_ns:
+        needed = 1 if stream.is_watched(now_ns) else LOW_WINDOWS
+        if stream.low_windows >= needed and now_ns >= stream.ask_again_ns:
             self._ask_again(stream, f"; {self._overrider} also asks for streams" if overridden else "", now_ns)
+
+    def hindrance(self, stream: Stream, now_ns: int) -> str:
+        """Why a message does not come at the requested rate, "" where that is not known."""
+        return stream.override_text(now_ns) or (self.loss.text if stream.ceiling_hz == 0.0 else "")
 
     def _find_absent(self, stream: Stream) -> None:
         """Notice once that an optional message does not come; it is not requested again."""
@@ -186,11 +217,16 @@ class StreamManager:
             self._notebook.info(f"{stream.name} does not come: the vehicle has no such sensor, or does not send it")
 
     def _ask_again(self, stream: Stream, suspect: str, now_ns: int) -> None:
-        self._notebook.warning(
-            f"{stream.name} arrives at {stream.achieved_hz:.1f} Hz instead of {stream.hz:g}: asking again{suspect}"
-        )
+        why = suspect or (f"; {stream.override_text(now_ns)}" if stream.is_watched(now_ns) else "")
+        suffix = self._lines.suffix(f"again {stream.name}", now_ns)
+        if suffix is not None:
+            rate = f"{stream.achieved_hz:.1f} Hz instead of {stream.hz:g}"
+            self._notebook.warning(f"{stream.name} arrives at {rate}: asking again{why}{suffix}")
         stream.rate_when_asked = stream.achieved_hz
         stream.on_trial = True
         stream.ask_again_ns = now_ns + stream.pause_ns
         stream.pause_ns = min(2 * stream.pause_ns, LONGEST_PAUSE_NS)
-        self._queue.append(stream)
+        if stream.is_watched(now_ns):
+            self._queue.insert(0, stream)
+        else:
+            self._queue.append(stream)

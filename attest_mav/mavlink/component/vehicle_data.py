@@ -10,6 +10,7 @@ from typing import Final
 from attest_mav.mavlink.component.autopilot_settings import AutopilotSettings
 from attest_mav.mavlink.component.further_imu import FurtherImu
 from attest_mav.mavlink.component.imu_choice import ImuChoice, preferred_messages
+from attest_mav.mavlink.component.messages_read import OTHER_MESSAGES, SELF_REPORTS
 from attest_mav.mavlink.component.notes import Notebook
 from attest_mav.mavlink.component.stream import Stream, StreamRequest
 from attest_mav.mavlink.component.streams import StreamManager
@@ -17,7 +18,6 @@ from attest_mav.mavlink.constants import (
     INERTIAL_MESSAGES,
     MAV_AUTOPILOT_ARDUPILOTMEGA,
     MAV_AUTOPILOT_INVALID,
-    MAV_AUTOPILOT_PX4,
     MAV_DATA_STREAM_EXTENDED_STATUS,
     MAV_DATA_STREAM_EXTRA1,
     MAV_DATA_STREAM_EXTRA2,
@@ -31,27 +31,6 @@ from attest_mav.types import VehicleKind
 from attest_mav.vehicle_reports import ParameterSample
 from attest_mav.vehicle_settings import VehicleSettings
 
-OTHER_MESSAGES: Final = (
-    "ATTITUDE",
-    "ATTITUDE_QUATERNION",
-    "GPS_RAW_INT",
-    "VFR_HUD",
-    "SYSTEM_TIME",
-    "EXTENDED_SYS_STATE",
-    "PARAM_VALUE",
-    "AUTOPILOT_VERSION",
-    "STATUSTEXT",
-    "EKF_STATUS_REPORT",
-    "ESTIMATOR_STATUS",
-    "SYS_STATUS",
-    "AHRS2",
-    "AHRS3",
-)
-SELF_REPORTS: Final = {
-    MAV_AUTOPILOT_ARDUPILOTMEGA: ("EKF_STATUS_REPORT", "SYS_STATUS", "AHRS2"),
-    MAV_AUTOPILOT_PX4: ("ESTIMATOR_STATUS", "SYS_STATUS"),
-}
-"""The requested messages in which an autopilot tells of itself."""
 SELF_REPORT_HZ: Final = 1.0
 POSITION_MESSAGES: Final = ("GLOBAL_POSITION_INT", "LOCAL_POSITION_NED")
 """Results of the autopilot's own filter: requested only where the configuration names them."""
@@ -150,16 +129,19 @@ class VehicleData:
         self.autopilot_settings.begin(self._autopilot, self._is_plane, now_ns)
         self._version_due = settings.asks and self._autopilot == MAV_AUTOPILOT_ARDUPILOTMEGA
 
-    def parameter_taken(self, sample: ParameterSample) -> None:
-        """Take note of a decoded parameter. Of a plane that hovers ATTITUDE_QUATERNION is requested too.
+    def parameter_taken(self, sample: ParameterSample) -> bool:
+        """Take note of a decoded parameter; True when it counts.
+
+        Of a plane that hovers ATTITUDE_QUATERNION is requested too.
 
         In the hover its ATTITUDE shows another view of the aircraft, and not every message tells when.
         """
         hovered = self.autopilot_settings.hovers
-        self.autopilot_settings.received(sample)
+        counts = self.autopilot_settings.received(sample)
         if self.autopilot_settings.hovers and not hovered:
             stream = self._stream("ATTITUDE_QUATERNION", self._settings.attitude_hz, NO_DATA_STREAM)
             self.stream_manager.want(stream, sample.rx_ns)
+        return counts
 
     def take_version_request(self) -> bool:
         """True once for each vehicle, or boot of it, whose firmware decides on the form of its attitudes."""
@@ -189,6 +171,18 @@ class VehicleData:
     def single_imu(self) -> str:
         """Why there is one inertial sensor alone, "" where there are more, or while that is not known yet."""
         return self._further.lack(self.stream_manager.streams)
+
+    @property
+    def failed_rounds(self) -> int:
+        """How often all candidates for the primary inertial message have failed in a row."""
+        return 0 if self._choice is None else self._choice.rounds
+
+    def begin_on_other_link(self, now_ns: int) -> None:
+        """Request everything from the beginning, on another link."""
+        choice = self._choice
+        if choice is not None and not choice.chosen:
+            choice.begin_round(now_ns)
+        self.begin(now_ns)
 
     @property
     def primary_imu(self) -> str:

@@ -33,8 +33,12 @@ def mirrored(data: bytes) -> bytes:
 
 def mirrored_crc(mirror: bytes, start: i64, stop: i64, mirrored_extra: i64) -> i64:
     """Checksum of the mirrored bytes start to stop, and the message's CRC extra (mirrored), with reversed bits."""
-    crc: i64 = _CRC(mirror[start:stop], _START)
-    index: i64 = (crc >> 8) ^ mirrored_extra
+    return stepped(_CRC(mirror[start:stop], _START), mirrored_extra)
+
+
+def stepped(crc: i64, mirrored_byte: i64) -> i64:
+    """The register ``crc`` after one more byte."""
+    index: i64 = (crc >> 8) ^ mirrored_byte
     step: i64 = _STEP[index]
     return ((crc << 8) & 0xFF00) ^ step
 

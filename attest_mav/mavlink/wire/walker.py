@@ -2,7 +2,8 @@
 
 Theory of operation
     A frame is intact when its id is in the dialect and its checksum fits. Nothing else about a candidate is believed:
-    its length serves to test its checksum and for nothing more. A candidate that fails is left by one byte, so an
+    its length serves to test its checksum and for nothing more, and to refuse a MAVLink 1 frame that is longer than
+    its message, since only MAVLink 2 extends messages. A candidate that fails is left by one byte, so an
     intact frame behind a false or damaged magic is always found.
 
     Right behind an intact frame the next one is *expected*, at one place. If it is not there the walker *searches*:
@@ -24,7 +25,7 @@ from typing import Final
 from mypy_extensions import i64
 
 from attest_mav.mavlink.dialect import Dialect
-from attest_mav.mavlink.wire.checksum import explaining_extra, mirrored, mirrored_crc
+from attest_mav.mavlink.wire.candidates import BAD_CRC, UNKNOWN_ID, Candidates
 from attest_mav.mavlink.wire.frame import (
     CHECKSUM_BYTES,
     INCOMPLETE,
@@ -34,13 +35,8 @@ from attest_mav.mavlink.wire.frame import (
     Frame,
     header_at,
     message_id_at,
-    size_at,
 )
 from attest_mav.mavlink.wire.sequence import Sequences
-
-# What a candidate can be besides an intact frame of so many bytes (> 0), NO_FRAME and INCOMPLETE.
-UNKNOWN_ID: Final = -2
-BAD_CRC: Final = -3
 
 MAX_UNKNOWN_RUN: Final = 3
 """So many frames with unknown ids in a row can vouch for each other."""
@@ -68,12 +64,10 @@ class Walker:
         self.refused: i64 = 0
         self._accepts: Final = accepts
         self._lead: i64 = lead
-        self._extras: Final = dialect.mirrored_extras
-        self._ids: i64 = len(dialect.mirrored_extras)
+        self._candidates: Final = Candidates(dialect)
         self._is_wanted: Final = dialect.flags(wanted)
         self._sequences: Final = Sequences()
         self._data = b""
-        self._mirror = b""
         self._end: i64 = 0
         self._final = False
         self._out: list[Frame] = []
@@ -93,12 +87,12 @@ class Walker:
         final: nothing comes behind data, so nothing is waited for.
         """
         self._data = data
-        self._mirror = mirrored(data)
+        self._candidates.begin(data)
         self._end = len(data)
         self._final = final
         self._out = []
         while self._place < stop:
-            size = self._candidate(self._place)
+            size = self._candidates.at(self._place)
             if size > 0 and not (self._searching and self._doubtful(size)):
                 self._take(size)
                 continue
@@ -118,31 +112,14 @@ class Walker:
         self._out = []
         return out
 
-    def _candidate(self, at: i64) -> i64:
-        """What stands at ``at``: the size of an intact frame, or one of the constants."""
-        data = self._data
-        size = size_at(data, at, self._end)
-        if size <= 0:
-            return size
-        message_id = message_id_at(data, at)
-        extra: i64 = self._extras[message_id] if message_id < self._ids else -1
-        if extra < 0:
-            return UNKNOWN_ID
-        if at + size > self._end:
-            return INCOMPLETE
-        checksum = at + header_at(data, at) + data[at + 1]
-        mirror = self._mirror
-        received: i64 = (mirror[checksum] << 8) | mirror[checksum + 1]
-        return size if mirrored_crc(mirror, at + 1, checksum, extra) == received else BAD_CRC
-
     def _doubtful(self, size: i64) -> bool:
         """Whether the frame just found in a search rather is a coincidence: see the module's theory."""
         behind = self._place + size
-        if self._candidate(behind + self._lead) > 0:
+        if self._candidates.at(behind + self._lead) > 0:
             return False
         inside = self._place + 1
         while inside < behind:
-            if self._candidate(inside) > 0:
+            if self._candidates.at(inside) > 0:
                 return True
             inside += 1
         return False
@@ -153,28 +130,19 @@ class Walker:
         first: i64 = 0
         run: i64 = 0
         while run < MAX_UNKNOWN_RUN:
-            size = self._explained(at)
+            size = self._candidates.explained(at)
             if size <= 0:
                 return size
             if run == 0:
                 first = size
             at += size + self._lead
-            behind = self._candidate(at)
+            behind = self._candidates.at(at)
             if behind > 0 or (self._final and at - self._lead == self._end):
                 return first
             if behind != UNKNOWN_ID:
                 return INCOMPLETE if behind == INCOMPLETE else NO_FRAME
             run += 1
         return NO_FRAME
-
-    def _explained(self, at: i64) -> i64:
-        """Size of the candidate with an unknown id at ``at`` when some CRC extra explains its checksum."""
-        data = self._data
-        size = size_at(data, at, self._end)
-        if at + size > self._end:
-            return INCOMPLETE
-        checksum = at + header_at(data, at) + data[at + 1]
-        return size if explaining_extra(self._mirror, at + 1, checksum) >= 0 else NO_FRAME
 
     def _take(self, size: i64) -> None:
         """The frame at the present place is intact: count it, append it if it is wanted, go behind it."""

@@ -20,6 +20,7 @@ from abc import ABC, abstractmethod
 
 from attest_mav.config.link_url import LinkUrl
 from attest_mav.errors import LinkError
+from attest_mav.mavlink.component.line_limit import LineLimit
 
 log = logging.getLogger("attest_mav.link")
 
@@ -50,6 +51,9 @@ class Link(ABC):
         """Bytes handed to the system."""
         self.dropped_messages = 0
         """Messages not sent, because the link was down or its buffer full."""
+        self.stream = 0
+        """Number of the byte stream that the last bytes belong to, on a link that has several at once."""
+        self._lines = LineLimit()
 
     @property
     @abstractmethod
@@ -74,6 +78,15 @@ class Link(ABC):
     @abstractmethod
     def receive(self, now_ns: int) -> bytes:
         """The bytes of at most one read, empty when none have arrived. Also opens a lost link again when it is due."""
+
+    def confirm(self, now_ns: int) -> None:  # noqa: B027  # most links know their other end
+        """The bytes received last held an intact frame: their sender speaks MAVLink."""
+
+    def say(self, kind: str, text: str, now_ns: int) -> None:
+        """Log what happened to the link, at most one line of a kind in a minute."""
+        suffix = self._lines.suffix(kind, now_ns)
+        if suffix is not None:
+            log.info("%s: %s%s", self.url, text, suffix)
 
     @abstractmethod
     def send(self, message: bytes, now_ns: int) -> None:

@@ -1,17 +1,11 @@
 """UDP: ``udpin:`` waits for a vehicle to speak and answers all who spoke lately, ``udpout:`` speaks first."""
 
 import socket
-from collections import OrderedDict
 
 from attest_mav.config.link_url import LinkUrl
 from attest_mav.errors import LinkError
 from attest_mav.runtime.links.base import READ_BYTES, Address, Link, bind_error, bound_url, log, resolve
-
-MAX_PEERS = 16
-"""A listener answers at most this many senders; the one silent longest makes room for a new one."""
-
-PEER_SILENCE_NS = 30_000_000_000
-"""A sender not heard for this long is answered no more, unless it is the only one."""
+from attest_mav.runtime.links.udp_peers import UdpPeers
 
 RECEIVE_BUFFER_BYTES = 1 << 20
 """Asked of the kernel: a second of a busy link, so that nothing is lost while the process waits for the processor."""
@@ -40,7 +34,7 @@ class _UdpLink(Link):
 
 
 class UdpInLink(_UdpLink):
-    """Listens, and sends to every address heard from lately."""
+    """Listens, and sends to every address from which intact frames came lately."""
 
     def __init__(self, url: LinkUrl) -> None:
         family, address = resolve(url, socket.SOCK_DGRAM)
@@ -51,14 +45,14 @@ class UdpInLink(_UdpLink):
             sock.close()
             raise bind_error(url, error) from None
         super().__init__(bound_url(url, sock), sock)
-        self.peers: OrderedDict[Address, int] = OrderedDict()
-        """When each sender was heard last, the longest silent first."""
+        self.peers = UdpPeers()
+        self._sender: Address | None = None
         log.info("listening on %s", self.url)
 
     @property
     def is_up(self) -> bool:
         """See ``Link``."""
-        return bool(self.peers)
+        return len(self.peers) > 0
 
     def receive(self, now_ns: int) -> bytes:
         """See ``Link``."""
@@ -66,25 +60,22 @@ class UdpInLink(_UdpLink):
             data, address = self.socket.recvfrom(READ_BYTES)
         except OSError:  # nothing there, or an earlier datagram of ours was refused
             return b""
-        self._heard(address, now_ns)
+        self._sender = address
         self.received_bytes += len(data)
         return data
 
-    def _heard(self, address: Address, now_ns: int) -> None:
-        if address not in self.peers:
-            log.info("%s: hearing %s:%s", self.url, address[0], address[1])
-            if len(self.peers) >= MAX_PEERS:
-                self.peers.popitem(last=False)
-        self.peers[address] = now_ns
-        self.peers.move_to_end(address)
+    def confirm(self, now_ns: int) -> None:
+        """See ``Link``."""
+        address = self._sender
+        if address is not None and self.peers.heard(address, now_ns):
+            self.say("hearing", f"hearing {address[0]}:{address[1]}", now_ns)
 
     def send(self, message: bytes, now_ns: int) -> None:
         """See ``Link``."""
-        while len(self.peers) > 1 and now_ns - next(iter(self.peers.values())) > PEER_SILENCE_NS:
-            self.peers.popitem(last=False)
-        if not self.peers:
+        addresses = self.peers.answered(now_ns)
+        if not addresses:
             self.dropped_messages += 1
-        for address in self.peers:
+        for address in addresses:
             try:
                 self.sent_bytes += self.socket.sendto(message, address)
             except OSError:

@@ -1,5 +1,6 @@
 """A companion on virtual time, and pymavlink as everybody else on its links."""
 
+from collections import defaultdict
 from collections.abc import Callable
 from typing import Any
 
@@ -7,7 +8,8 @@ import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from attest_mav.estimate import Estimate
-from attest_mav.mavlink.component.companion import Companion, CompanionSettings
+from attest_mav.mavlink.component.companion import Companion
+from attest_mav.mavlink.component.companion_settings import CompanionSettings
 from attest_mav.mavlink.component.notes import Notebook
 from attest_mav.mavlink.component.ports import PortSettings
 from attest_mav.mavlink.dialect import Dialect, load_dialect
@@ -37,12 +39,16 @@ class Bench:
         self.companion = Companion(dialect, settings, named, 0)
         self.sent: list[list[Any]] = [[] for _ in links]
         self.notes: list[str] = []
+        self._sequences: defaultdict[tuple[int, int, int], int] = defaultdict(int)
         self._parsers = [mavlink.MAVLink(None) for _ in links]
 
-    def hear(self, message: Any, system: int = 1, component: int = 1, link: int = 0, sequence: int = 0) -> bool:
-        """A message arrives; whether it was the vehicle's data."""
+    def hear(
+        self, message: Any, system: int = 1, component: int = 1, link: int = 0, sequence: int | None = None
+    ) -> bool:
+        """A message arrives, by default with its sender's next sequence number; whether it was the vehicle's data."""
         sender = mavlink.MAVLink(None, srcSystem=system, srcComponent=component)
-        sender.seq = sequence
+        sender.seq = self._sequences[system, component, link] if sequence is None else sequence
+        self._sequences[system, component, link] = (sender.seq + 1) % 256
         (frame,) = Framer(self.dialect, None).feed(message.pack(sender), self.now_ns)
         taken = self.companion.handle(link, frame, self.now_ns)
         self._collect()
@@ -67,7 +73,7 @@ class Bench:
         self._collect()
 
     def publish(self, estimate: Estimate) -> None:
-        self.companion.publish(estimate, self.now_ns)
+        self.companion.publish(estimate)
         self._collect()
 
     def stop(self) -> None:

@@ -5,7 +5,7 @@ import math
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from attest_mav.mavlink.component.companion import CompanionSettings
+from attest_mav.mavlink.component.companion_settings import CompanionSettings
 
 ACCEPTED, REJECTED, DENIED, UNSUPPORTED = 0, 1, 2, 3
 REQUEST, INTERVAL, ARM = 512, 511, 400

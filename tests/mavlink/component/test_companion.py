@@ -3,7 +3,8 @@
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from attest_mav.mavlink.component.companion import Companion, CompanionSettings
+from attest_mav.mavlink.component.companion import Companion
+from attest_mav.mavlink.component.companion_settings import CompanionSettings
 from attest_mav.mavlink.component.ports import PortSettings
 from attest_mav.mavlink.component.vehicle_data import DataSettings
 
@@ -170,7 +171,7 @@ def test_a_ground_station_that_asks_for_streams_is_the_suspect(bench):
         if len(b.of_type("COMMAND_LONG")) > len(acked):
             acked.append(b.hear(ack(0)))
         b.hear(raw_imu(b.now_ns // 1000))
-        b.companion.imu_taken("RAW_IMU", b.now_ns)
+        b.companion.imu_taken("RAW_IMU", b.now_ns, b.now_ns)
         if b.now_ns % (2 * SECOND) == 0:
             b.hear(mavlink.MAVLink_request_data_stream_message(1, 1, 0, 4, 1), system=255, component=190)
 

@@ -1,6 +1,6 @@
 import pytest
 
-from attest_mav.mavlink.component.companion import CompanionSettings
+from attest_mav.mavlink.component.companion_settings import CompanionSettings
 from attest_mav.mavlink.component.discovery import VehicleDiscovery
 
 SECOND = 1_000_000_000

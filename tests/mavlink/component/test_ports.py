@@ -7,7 +7,8 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from attest_mav.mavlink.component.encoder import Encoder
 from attest_mav.mavlink.component.outputs import OUTPUTS, Output
-from attest_mav.mavlink.component.ports import Port, PortSettings, Schedule
+from attest_mav.mavlink.component.ports import Port, PortSettings
+from attest_mav.mavlink.component.schedule import Schedule
 
 SECOND = 1_000_000_000
 BOTH = PortSettings(("attitude_quaternion", "attitude_quaternion_cov"))
@@ -179,6 +180,28 @@ def test_a_new_output_that_misleads_yields(bench, estimate):
     b.publish(estimate())
     assert b.of_type("DEBUG") == []
     assert any("DEBUG is held back" in note and "some program would take ours" in note for note in b.notes)
+
+
+def test_an_interval_of_a_station_that_stays_ends_ten_minutes_after_its_command(bench, estimate):
+    b = bench()
+    b.vehicle_heartbeat()
+
+    def station_beats():
+        if b.now_ns % (10 * SECOND) == 0:
+            b.hear(onboard_heartbeat(vehicle_type=6), system=255, component=190)
+
+    def sent_at(t_s):
+        b.run_until(t_s, station_beats)
+        before = len(b.of_type("ATTITUDE_QUATERNION"))
+        for tick in range(200):
+            b.publish(estimate(t_s=t_s + tick / 50))
+        return len(b.of_type("ATTITUDE_QUATERNION")) - before
+
+    stop = mavlink.MAVLink_command_long_message(1, 193, 511, 0, 31, -1, 0, 0, 0, 0, 0)
+    b.hear(stop, system=255, component=190)
+    assert [sent_at(t_s) for t_s in (1.0, 100.0, 599.0)] == [0, 0, 0]
+    assert sent_at(601.0) == pytest.approx(80, abs=1)
+    assert any("back at its own rate, 20 Hz: set 10 minutes ago" in note for note in b.notes)
 
 
 def onboard_heartbeat(vehicle_type=18):

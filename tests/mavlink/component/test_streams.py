@@ -20,6 +20,8 @@ class Autopilot:
         self.ceiling_hz = ceiling_hz
         self.hz = {IMU: start_hz, ATTITUDE: start_hz}
         self.requests = []
+        self.sent = []
+        """Messages of the inertial stream in each second."""
         self._due = dict.fromkeys(self.hz, 0.0)
 
     def run(self, manager, from_s, to_s):
@@ -30,6 +32,9 @@ class Autopilot:
                 while self._due[message] >= 1.0:
                     self._due[message] -= 1.0
                     manager.arrived(message)
+                    if message == IMU:
+                        self.sent += [0] * (tick // 100 + 1 - len(self.sent))
+                        self.sent[-1] += 1
             for request in manager.poll(now_ns):
                 self._take(request, manager, now_ns)
 
@@ -106,17 +111,50 @@ def test_temporarily_rejected_is_asked_again(notebook):
     assert manager.streams[0].achieved_hz == pytest.approx(50.0, abs=0.6)
 
 
-def test_a_rate_that_is_overridden_is_asked_for_again_with_back_off_and_the_suspect_named(manager, notebook):
+@pytest.mark.parametrize("period_s", [4, 5, 10, 15, 30])
+def test_a_rate_that_is_overridden_again_and_again_is_45_hz_in_each_minute_and_the_period_is_named(
+    manager, notebook, period_s
+):
+    """MAVProxy asks for all streams at 4 Hz every few seconds."""
     autopilot = Autopilot()
     autopilot.run(manager, 0, 10)
-    for t_s in range(10, 200, 2):  # a ground station that insists on 4 Hz
-        autopilot.hz[IMU] = 4.0
+    for t_s in range(10, 310, period_s):
+        autopilot.hz = dict.fromkeys(autopilot.hz, 4.0)
+        autopilot.run(manager, t_s, t_s + period_s)
+    minutes = [autopilot.sent[60 * minute : 60 * (minute + 1)] for minute in range(1, 5)]
+    assert min(sum(minute) / 60.0 for minute in minutes) >= 45.0
+    asked = [t_s for t_s, request in autopilot.requests if request.message_id == IMU and t_s > 60]
+    assert len(asked) <= 250 / period_s + 3
+    imu = next(stream for stream in manager.streams if stream.message_id == IMU)
+    text = f"another program on this link lowers the rate every {period_s} s"
+    assert manager.hindrance(imu, 310 * SECOND) == text
+    lines = texts(notebook)
+    assert any(text in line for line in lines)
+    assert len(lines) <= 2 * 6
+
+
+def test_a_rate_that_no_asking_raises_is_asked_for_ever_more_seldom(manager):
+    """An autopilot that accepts, and a station that sets 4 Hz at once each time."""
+    autopilot = Autopilot(ceiling_hz=4.0)
+    for t_s in range(0, 300, 2):
         manager.overheard("system 255", t_s * SECOND)
         autopilot.run(manager, t_s, t_s + 2)
     times = [t_s for t_s, request in autopilot.requests if request.message_id == IMU]
-    assert 4 <= len(times) <= 9, "asked again, but not all the time"
+    assert 4 <= len(times) <= 9
     assert times[-1] - times[-2] > 30.0
-    assert any("RAW_IMU arrives at" in text and "system 255 also asks" in text for text in texts(notebook))
+
+
+@pytest.mark.parametrize(("damaged", "word"), [(3000, "damaged"), (0, "lost")])
+def test_frames_that_the_link_loses_are_no_reason_to_ask_again(manager, notebook, damaged, word):
+    autopilot = Autopilot(ceiling_hz=35.0)
+    for t_s in range(120):
+        manager.loss.take(70 * t_s, 30 * t_s, damaged * t_s // 100, t_s * SECOND)
+        autopilot.run(manager, t_s, t_s + 1)
+    imu = next(stream for stream in manager.streams if stream.message_id == IMU)
+    assert manager.hindrance(imu, 120 * SECOND) == f"30 % of the frames are {word} on the link"
+    asked = [t_s for t_s, request in autopilot.requests if request.message_id == IMU]
+    assert len(asked) <= 2
+    assert sum("RAW_IMU" in line for line in texts(notebook)) <= 1
 
 
 def test_a_ceiling_is_recognised_and_left_alone(notebook):

@@ -3,7 +3,7 @@
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from attest_mav.mavlink.component.companion import CompanionSettings
+from attest_mav.mavlink.component.companion_settings import CompanionSettings
 from attest_mav.mavlink.component.vehicle_data import DataSettings
 from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.wire.framer import Framer
@@ -46,7 +46,7 @@ class Witness:
                     self._keep(sample)
 
     def _keep(self, sample):
-        if self.bench.companion.imu_taken(sample.source, self.bench.now_ns):
+        if self.bench.companion.imu_taken(sample.source, sample.t_ns, self.bench.now_ns):
             self.samples.append(sample)
 
     def fly(self, until_s, gyros):

@@ -1,0 +1,85 @@
+"""Log lines on a descriptor that nobody reads, and lines without end."""
+
+import logging
+import os
+import sys
+
+import pytest
+
+from attest_mav.runtime.journal import LINES_A_MINUTE, QUEUED_LINES, FloodFilter, ThreadedHandler, log_to_stderr
+
+
+def record(text, created=0.0):
+    one = logging.LogRecord("attest_mav.test", logging.INFO, "", 0, "%s", (text,), None)
+    one.created = created
+    return one
+
+
+@pytest.fixture
+def pipe():
+    ends = os.pipe()
+    yield ends
+    for end in ends:
+        os.close(end)
+
+
+def read_all(fd):
+    os.set_blocking(fd, False)
+    data = b""
+    try:
+        while chunk := os.read(fd, 65536):
+            data += chunk
+    except BlockingIOError:
+        pass
+    return data.decode().splitlines()
+
+
+def test_a_pipe_that_nobody_reads_blocks_nobody_and_the_dropped_lines_are_counted(pipe):
+    reader, writer = pipe
+    handler = ThreadedHandler(writer)
+    for number in range(QUEUED_LINES + 5000):
+        handler.emit(record(f"{number} {'x' * 200}"))
+    dropped = handler.dropped
+    assert 0 < dropped <= 5000
+    lines = []
+    while len(lines) < QUEUED_LINES:
+        lines += read_all(reader)
+    os.set_blocking(writer, True)
+    handler.emit(record("after"))
+    handler.close()
+    lines += read_all(reader)
+    assert lines[0].startswith("0 x")
+    assert lines[-1] == f"after ({dropped} lines before this one were dropped: nobody read stderr)"
+
+
+def test_the_end_waits_for_the_last_lines(pipe):
+    reader, writer = pipe
+    handler = ThreadedHandler(writer)
+    for number in range(100):
+        handler.emit(record(str(number)))
+    handler.close()
+    assert read_all(reader) == [str(number) for number in range(100)]
+
+
+def test_lines_that_differ_in_numbers_are_one_kind():
+    flood = FloodFilter()
+    texts = [f"udpin:0.0.0.0:14550: hearing 10.0.{number % 256}.7:{number}" for number in range(1000)]
+    passed = [flood.filter(record(text, number * 0.01)) for number, text in enumerate(texts)]
+    assert sum(passed) == LINES_A_MINUTE
+    assert flood.filter(record("vehicle found", 10.0)), "another kind"
+    late = record(texts[0], 61.0)
+    assert flood.filter(late)
+    assert late.getMessage() == f"{texts[0]} (980 more such lines were left out)"
+
+
+def test_a_closed_stderr_is_no_error_and_nothing_is_written_to_what_took_its_number(monkeypatch, capsys):
+    logger = logging.getLogger("attest_mav")
+    before = logger.handlers[:], logger.level, logger.propagate
+    try:
+        monkeypatch.setattr(sys, "stderr", None)
+        log_to_stderr("info")
+        logger.info("nobody hears this")
+        assert [type(handler) for handler in logger.handlers] == [logging.NullHandler]
+    finally:
+        logger.handlers[:], logger.level, logger.propagate = before
+    assert capsys.readouterr().out == ""
