@@ -25,14 +25,14 @@ def config(tmp_path):
 
 
 class Peer:
-    """Someone else on the daemon's UDP link, who hears what it sends."""
+    """A ground station on the daemon's UDP link, which hears what the daemon sends."""
 
     def __init__(self, port):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.connect(("127.0.0.1", int(port)))
         self.socket.settimeout(PATIENCE_S)
-        self.socket.send(b"\0")
-        self._parser = mavlink.MAVLink(None)
+        self._parser = mavlink.MAVLink(None, srcSystem=255, srcComponent=190)
+        self.socket.send(mavlink.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3).pack(self._parser))
 
     def wait_for(self, name, accept=lambda _: True):
         while True:
