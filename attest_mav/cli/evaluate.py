@@ -8,7 +8,6 @@ import click
 
 from attest_mav.errors import UsageError
 from attest_mav.runtime.files import atomic_write
-from attest_mav.runtime.signals import ignore_interrupts
 
 if TYPE_CHECKING:
     from attest_mav.evaluation.harness import Outcome, Scenario
@@ -72,7 +71,7 @@ def draw(drawings: "list[PaperFigure]", folder: Path, seed: int, workers: int | 
     """Draw each figure into a PNG file of its name."""
     from attest_mav.evaluation.harness import processes  # noqa: PLC0415 - with it comes multiprocessing
 
-    with processes(workers, ignore_interrupts) as trial_map:
+    with processes(workers) as trial_map:
         for figure in drawings:
             path = folder / f"{figure.name}.png"
             with atomic_write(path) as file:
@@ -87,7 +86,7 @@ def measure(chosen: "list[Scenario]", runs: int | None, seed: int, workers: int 
     from attest_mav.evaluation.harness import processes  # noqa: PLC0415 - with it comes multiprocessing
 
     outcomes = []
-    with processes(workers, ignore_interrupts) as trial_map, Console(stderr=True).status("") as status:
+    with processes(workers) as trial_map, Console(stderr=True).status("") as status:
         for scenario in chosen:
             status.update(f"{scenario.id}: {scenario.title}")
             outcomes.append(scenario.evaluate(runs, seed, trial_map))

@@ -27,10 +27,5 @@ def stop_signals() -> Iterator[socket.socket]:
         writer.close()
 
 
-def ignore_interrupts() -> None:
-    """For processes that help another one: Ctrl-C reaches them too, but ending is for the one they help."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
 def _ignored(_number: int, _frame: object) -> None:
     """The wake-up descriptor tells the loop; nothing is to be done here."""
