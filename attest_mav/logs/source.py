@@ -40,6 +40,8 @@ class MessageRoles:
     """The autopilot's own attitude."""
     untimed: tuple[str, ...]
     """Attitudes without a time on the sensor's clock."""
+    other_sensors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """By inertial message those of the vehicle's other inertial sensors."""
 
 
 @dataclass(frozen=True)
@@ -122,11 +124,13 @@ class Plan:
     """The autopilot's own attitude, unless that is the reference."""
     timing: str | None
     """The message whose time an untimed reference takes."""
+    other_sensors: tuple[str, ...] = ()
+    """The inertial messages of the vehicle's other sensors."""
 
     @property
     def messages(self) -> frozenset[str]:
         """The names above."""
-        names = (self.imu, self.reference, self.autopilot, self.timing)
+        names = (self.imu, self.reference, self.autopilot, self.timing, *self.other_sensors)
         return frozenset(name for name in names if name is not None)
 
 

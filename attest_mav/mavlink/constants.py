@@ -9,6 +9,12 @@ from typing import Final
 INERTIAL_MESSAGES: Final = ("RAW_IMU", "SCALED_IMU", "HIGHRES_IMU", "SCALED_IMU2", "SCALED_IMU3")
 """The messages with gyro and accelerometer, in the order in which they are listed, and chosen from where nothing is
 known of the autopilot: the three of the first sensor, then those of the second and the third."""
+OTHER_SENSORS: Final = {
+    "RAW_IMU": ("SCALED_IMU2", "SCALED_IMU3"),
+    "SCALED_IMU": ("SCALED_IMU2", "SCALED_IMU3"),
+    "SCALED_IMU2": ("SCALED_IMU3",),
+}
+"""The messages of the other sensors, by the primary message. HIGHRES_IMU does not tell which sensor it reads."""
 
 UINT8_MAX: Final = 255
 UINT16_MAX: Final = 65535

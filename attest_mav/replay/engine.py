@@ -5,7 +5,7 @@ is needed. Every filter gets a pipeline of its own, so that filters run together
 Nothing grows with the log but the columns of errors and of intervals.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from attest_mav.earth_field import LocalField
@@ -85,10 +85,14 @@ def replay(source: LogSource, request: Request, outputs: Outputs) -> Replay:
     return Replay(summary, plan, north.field, flight, tuple(notes))
 
 
-def record(source: LogSource, imu: str | None = None, reference: str | None = None) -> Recording:
-    """Decode a log; imu, reference and UnreadableDataError as for ``replay``."""
+def record(
+    source: LogSource, imu: str | None = None, reference: str | None = None, *, every_sensor: bool = False
+) -> Recording:
+    """Decode a log; imu, reference and UnreadableDataError as for ``replay``. One inertial sensor, or every one."""
     summary = source.summary()
     plan = make_plan(summary, imu, reference)
+    if not every_sensor:
+        plan = replace(plan, other_sensors=())
     vehicle = summary.vehicles[plan.vehicle]
     samples: list[Sample] = []
     for batch in source.samples(plan):

@@ -11,6 +11,7 @@ from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.estimation.timebase import WRAP_NS
 from attest_mav.estimation.vehicle import AidSettings, Vehicle
 from attest_mav.filters.base import AttitudeFilter
+from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.logs.source import EstimateWriter, Plan
 from attest_mav.replay.comparison import Attitude, Comparison, ComparisonSink
 from attest_mav.replay.log_time import LogTime, Motion, Regularity
@@ -32,11 +33,12 @@ class FilterRun:
     """One filter over the flight."""
 
     def __init__(
-        self, one: AttitudeFilter, imu: str, field: EarthField, comparison: Comparison, verdicts: VerdictLog
+        self, one: AttitudeFilter, plan: Plan, field: EarthField, comparison: Comparison, verdicts: VerdictLog
     ) -> None:
         self.comparison: Final = comparison
         self.verdicts: Final = verdicts
-        self.pipeline: Final = Pipeline(PipelineSettings(), one, [imu])
+        others = plan.other_sensors if isinstance(one, VelocityAided) else ()  # without a witness they serve nothing
+        self.pipeline: Final = Pipeline(PipelineSettings(), one, [plan.imu, *others])
         self.pipeline.set_field(field)
         self.aligned_s = inf
         """Log time of the first estimate, s."""
@@ -61,8 +63,7 @@ class Flight:
         self._vehicle: Final = Vehicle(AidSettings())
         report = self._vehicle.self_report
         self.runs: Final = [
-            FilterRun(one, plan.imu, field, Comparison(one.name, reference, sink), VerdictLog(report))
-            for one in filters
+            FilterRun(one, plan, field, Comparison(one.name, reference, sink), VerdictLog(report)) for one in filters
         ]
         self.autopilot: Final = Comparison(AUTOPILOT, reference, sink) if plan.autopilot is not None else None
         """The comparison of the autopilot's own attitude."""
@@ -74,6 +75,7 @@ class Flight:
         self.reference_samples = 0
         self.window: Final = window
         self._imu_source: Final[str] = plan.imu
+        self._other_sensors: Final[tuple[str, ...]] = plan.other_sensors
         self._reference_source: Final[str | None] = plan.reference
         self._autopilot_source: Final[str | None] = plan.autopilot
         self._timing_source: Final[str | None] = plan.timing
@@ -94,6 +96,8 @@ class Flight:
         if isinstance(sample, ImuSample):
             if sample.source == self._imu_source:
                 self._take_imu(sample, position)
+            elif self._reading and self.imu.samples and sample.source in self._other_sensors:
+                self._fly(sample, self._time.at(sample.t_ns), position)
             if sample.source == self._timing_source:
                 self._take_stamped(self._stamp.timed(sample.t_ns, sample.rx_ns))
         elif isinstance(sample, AttitudeSample):
@@ -126,19 +130,25 @@ class Flight:
         self.imu.add(sample.t_ns)
         self.motion.add(sample.t_ns, sample.gyro)
         self._reference.add_rates(sample.t_ns % WRAP_NS, sample.gyro)
+        self._fly(sample, elapsed_s, position)
+
+    def _fly(self, sample: ImuSample, elapsed_s: float, position: int) -> None:
+        """The filters take a sample of the stretch to be read."""
         self._elapsed_s, self._rx_ns = elapsed_s, sample.rx_ns
         for run in self.runs:
             if abs(run.poll_ns - sample.rx_ns) >= POLL_NS:
                 run.poll_ns = sample.rx_ns
                 self._judge(run, run.pipeline.poll(sample.rx_ns))
                 run.verdicts.settle(elapsed_s, sample.rx_ns)
-            for event in run.pipeline.handle(sample):
-                if isinstance(event, Estimate):
+            events = run.pipeline.handle(sample)
+            is_selected = sample.source == run.pipeline.selected
+            for event in events:
+                if not isinstance(event, Estimate):
+                    self._judge(run, [event])
+                elif is_selected:
                     self._take_estimate(run, event, elapsed_s)
                     if self._writer is not None and run is self.runs[0]:
                         self._writer.insert(event, position)
-                else:
-                    self._judge(run, [event])
 
     def _judge(self, run: FilterRun, events: Sequence[Event]) -> None:
         """Keep the verdicts beside a filter, and the events of its lane."""

@@ -5,6 +5,7 @@ from math import fsum
 from typing import Final
 
 from attest_mav.algebra import norm, sub
+from attest_mav.estimation.timebase import WRAP_NS
 from attest_mav.replay.reference_track import CLOCK_BACK_NS
 from attest_mav.types import Vec3
 
@@ -44,8 +45,9 @@ class LogTime:
         return self.at(t_ns)
 
     def at(self, t_ns: int) -> float:
-        """The time at a stamp near the last inertial sample's, s."""
-        return (t_ns - self._base_ns) * 1e-9
+        """The time at a stamp near the last inertial sample's, s; of two clocks one may wrap and the other not."""
+        ahead_ns = (t_ns - self._last_ns + WRAP_NS // 2) % WRAP_NS - WRAP_NS // 2
+        return (self._last_ns + ahead_ns - self._base_ns) * 1e-9
 
 
 class Regularity:

@@ -28,7 +28,10 @@ def check_names(imu: str | None, reference: str | None) -> None:
 
 
 def make_plan(summary: LogSummary, imu: str | None, reference: str | None, wanted: VehicleChoice | None = None) -> Plan:
-    """Choose what is not named. UnreadableDataError if what is named, or an inertial message, is missing."""
+    """Choose what is not named; an inertial message that is named is used without the other sensors.
+
+    UnreadableDataError if what is named, or an inertial message, is missing.
+    """
     roles = summary.roles
     vehicle = _choose_vehicle(summary, imu, wanted)
     if reference is not None and not vehicle.count(reference):
@@ -43,6 +46,7 @@ def make_plan(summary: LogSummary, imu: str | None, reference: str | None, wante
         chosen,
         autopilot if chosen not in roles.autopilot else None,
         (autopilot or inertial) if chosen in roles.untimed else None,
+        () if imu is not None else _other_sensors(vehicle, roles, inertial),
     )
 
 
@@ -120,6 +124,12 @@ def _choose_imu(vehicle: VehicleSummary) -> str:
     """The best of the inertial messages that are about as frequent as the most frequent one."""
     enough = FULL_SHARE * max([vehicle.count(name) for name in vehicle.inertial])
     return next(name for name in vehicle.inertial if vehicle.count(name) >= enough)
+
+
+def _other_sensors(vehicle: VehicleSummary, roles: MessageRoles, imu: str) -> tuple[str, ...]:
+    """The inertial messages of the other sensors that come about as often as this one."""
+    least = ENOUGH * vehicle.count(imu)
+    return tuple(name for name in roles.other_sensors.get(imu, ()) if vehicle.count(name) >= least)
 
 
 def _instead(vehicle: VehicleSummary, names: tuple[str, ...]) -> str:

@@ -51,7 +51,7 @@ def test_a_wrong_attitude_is_an_interval_with_its_numbers(wrong_twice, dialect):
     assert 28.0 < off["end_s"] + first_sample_s(wrong_twice, dialect) < 28.8
     assert off["reason"] == "tilt"
     assert off["tilt_deg"] == pytest.approx(12.0, abs=0.5)
-    assert off["sensors"] == ["RAW_IMU used"]
+    assert off["sensors"] == ["RAW_IMU used", "SCALED_IMU2 used"]
     assert off["autopilot_reports"] == []
 
 

@@ -194,8 +194,12 @@ class Witness:
         events.append(_event(aside, newest, LaneEventKind.RETURNED, "reads like the other sensor again: it is used"))
 
     def _select(self) -> None:
-        """Keep the selected lane while it is in good standing."""
-        if self._lanes[self.selected].standing == Standing.GOOD:
+        """Keep the selected lane while it is in good standing; one that is not proven yields to an earlier one.
+
+        The streams start one after the other, so that chance would tell which of them is aligned first.
+        """
+        selected = self._lanes[self.selected]
+        if selected.standing == Standing.GOOD and selected.proving.done:
             return
         for lane in self._good():
             self.selected = lane.name

@@ -4,7 +4,7 @@ from typing import Final
 
 from attest_mav.logs.source import MessageRoles
 from attest_mav.mavlink.component.imu_choice import preferred_messages
-from attest_mav.mavlink.constants import INERTIAL_MESSAGES
+from attest_mav.mavlink.constants import INERTIAL_MESSAGES, OTHER_SENSORS
 from attest_mav.mavlink.decode.units import unit_row
 
 TLOG_ROLES: Final = MessageRoles(
@@ -14,6 +14,7 @@ TLOG_ROLES: Final = MessageRoles(
     named_reference=("SIM_STATE", "SIMSTATE", "ATTITUDE_QUATERNION", "ATTITUDE", "AHRS2"),
     autopilot=("ATTITUDE", "ATTITUDE_QUATERNION"),
     untimed=("SIM_STATE", "SIMSTATE", "AHRS2"),
+    other_sensors=OTHER_SENSORS,
 )
 """A simulator's truth precedes the autopilot's attitude. ATTITUDE and ATTITUDE_QUATERNION carry the same attitude."""
 

@@ -120,9 +120,11 @@ class MavlinkSource:
         if self._clocks is None:
             return {}
         dialect, repairs = self._dialect, dict[int, StampRepair | FixRepair]()
+        for name in (plan.imu, *plan.other_sensors):
+            rule = self._clocks.sensor(plan.vehicle, name).rule
+            if not rule.is_plain:
+                repairs[dialect.id_of(name)] = StampRepair(rule, time_field(dialect, name))
         clock = self._clocks.sensor(plan.vehicle, plan.imu)
-        if not clock.rule.is_plain:
-            repairs[dialect.id_of(plan.imu)] = StampRepair(clock.rule, time_field(dialect, plan.imu))
         if clock.is_unix:
             repairs[dialect.id_of(FIX)] = FixRepair(clock.rule.shift, time_field(dialect, FIX))
         return repairs

@@ -3,13 +3,7 @@
 from typing import Final
 
 from attest_mav.mavlink.component.stream import Stream
-
-SENSORS: Final = {
-    "RAW_IMU": ("SCALED_IMU2", "SCALED_IMU3"),
-    "SCALED_IMU": ("SCALED_IMU2", "SCALED_IMU3"),
-    "SCALED_IMU2": ("SCALED_IMU3",),
-}
-"""The messages of the other sensors, by the primary message. HIGHRES_IMU does not tell which sensor it reads."""
+from attest_mav.mavlink.constants import OTHER_SENSORS
 
 FRAME_OVERHEAD: Final = 12
 """Bytes of a MAVLink 2 frame around its payload."""
@@ -18,8 +12,8 @@ FRAME_OVERHEAD: Final = 12
 class FurtherImu:
     """The messages beside the primary one.
 
-    configured: their names, None takes those of ``SENSORS``. bytes_per_s: limit of all inertial messages together, 0
-    for none. imu_hz: the rate of each.
+    configured: their names, None takes those of ``OTHER_SENSORS``. bytes_per_s: limit of all inertial messages
+    together, 0 for none. imu_hz: the rate of each.
     """
 
     def __init__(self, configured: tuple[str, ...] | None, bytes_per_s: float, imu_hz: float) -> None:
@@ -43,7 +37,7 @@ class FurtherImu:
         """Choose beside this primary message. sizes: payload of each inertial message, bytes."""
         self._primary = primary
         self._heard = False
-        configured = SENSORS.get(primary, ()) if self._configured is None else self._configured
+        configured = OTHER_SENSORS.get(primary, ()) if self._configured is None else self._configured
         self.names = tuple(name for name in configured if name != primary)
         requested: list[str] = []
         total = self._imu_hz * (sizes[primary] + FRAME_OVERHEAD)
