@@ -6,14 +6,15 @@ from typing import Any
 import click
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
+from rich.padding import Padding
 from rich.table import Table
 
-PIPE_COLUMNS = 120
+PIPE_COLUMNS = 80
 """Width where there is no terminal to ask."""
 FLIGHT_FILTER = "velocity-aided"
 VERDICT_ROWS = 12
 """Intervals of the verdict that the table shows at most."""
-CONSISTENT = ("63.2  98.2  99.9", "1.00", "68.3  95.4  99.7", "1.00")
+CONSISTENT = ("63.2", "98.2", "99.9", "1.00", "68.3", "95.4", "99.7", "1.00")
 """Shares within 1, 2 and 3 sigma and rms, of tilt and heading (``attest_mav.replay.consistency``)."""
 
 
@@ -23,15 +24,20 @@ def print_report(report: dict[str, Any]) -> None:
     if not console.is_terminal:
         console = Console(markup=False, highlight=False, emoji=False, width=PIPE_COLUMNS)
     with console.capture() as capture:  # rich would end the process itself where nobody reads
-        console.print(click.format_filename(report["log"]), style="bold")
+        console.print(click.format_filename(report["log"]), style="bold", soft_wrap=True)
         for label, text in _header(report):
             console.print(f"  {label:<10} {text}", soft_wrap=True)
         console.print(_table(report))
         if any(one["consistency"] is not None for one in report["filters"]):
             console.print(_sigma_table(report))
+            console.print(_innovation_table(report))
         judge = _judge(report["filters"])
         if judge["verdicts"]:
-            console.print(_verdict_table(judge))
+            shown = _shown(judge["verdicts"])
+            console.print(_verdict_table(judge, shown))
+            for interval in shown:
+                if interval["sensors"] or interval["autopilot_reports"]:
+                    console.print(Padding(_remark(interval), (0, 0, 0, 2)))
     click.echo(capture.get(), nl=False)
 
 
@@ -64,13 +70,8 @@ def _count(number: int, noun: str) -> str:
 
 def _table(report: dict[str, Any]) -> Table:
     """One row a filter, and the autopilot's own below them."""
-    table = Table(box=SIMPLE_HEAD, padding=(0, 1))
-    table.add_column("")
-    heading = "heading" if report["north"]["reference"] == "true" else "magn. heading"
-    for kind in ("tilt", heading):
-        for figure in ("rms", "p95", "max"):
-            table.add_column(f"{kind}\n{figure}", justify="right")
-    table.add_column("compared\nsamples", justify="right")
+    heading = "heading" if report["north"]["reference"] == "true" else "magn.\nheading"
+    table = _figure_table("error", "tilt\nrms", "p95", "max", f"{heading}\nrms", "p95", "max", "compared\nsamples")
     for one in report["filters"]:
         table.add_row(one["name"], *_figures(one), str(one["samples"]))
     own = report["autopilot"]
@@ -81,19 +82,30 @@ def _table(report: dict[str, Any]) -> Table:
 
 def _sigma_table(report: dict[str, Any]) -> Table:
     """One row a filter that has sigmas, and below them what a consistent one would show; ratio: error / sigma."""
-    table = Table(box=SIMPLE_HEAD, padding=(0, 1))
-    table.add_column("its own\nsigma")
-    for kind in ("tilt", "heading"):
-        table.add_column(f"{kind}: % within\n1, 2, 3 sigma", justify="right", no_wrap=True)
-        table.add_column("rms of\nratio", justify="right")
-    table.add_column("NIS,\nvel.", justify="right")
-    table.add_column("NIS,\nmag.", justify="right")
-    table.add_column("sigma\n< 1 deg", justify="right")
-    table.add_column("tilt rms\nthere", justify="right")
+    columns = [label for kind in ("tilt", "heading") for label in (f"{kind}\n1 sigma", "2", "3", "ratio\nrms")]
+    table = _figure_table("its own sigma:\n% within", *columns)
     for one in report["filters"]:
         if one["consistency"] is not None:
-            table.add_row(one["name"], *_sigma_figures(one))
+            table.add_row(one["name"], *_shares(one["consistency"]["tilt"]), *_shares(one["consistency"]["heading"]))
     table.add_row("if consistent", *CONSISTENT, style="dim")
+    return table
+
+
+def _innovation_table(report: dict[str, Any]) -> Table:
+    """One row a filter that has sigmas: its innovations, and the part of the flight in which it is sure."""
+    table = _figure_table("innovations", "mean NIS,\nvelocity", "mean NIS,\nmagn.", "sigma\n< 1 deg", "tilt rms\nthere")
+    for one in report["filters"]:
+        if one["consistency"] is not None:
+            table.add_row(one["name"], *_innovation_figures(one))
+    return table
+
+
+def _figure_table(name: str, *figures: str) -> Table:
+    """A table with names in its first column, and figures, which are never cut, in the others."""
+    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    table.add_column(name)
+    for label in figures:
+        table.add_column(label, justify="right", no_wrap=True, vertical="bottom")
     return table
 
 
@@ -102,24 +114,34 @@ def _judge(filters: list[dict[str, Any]]) -> dict[str, Any]:
     return next((one for one in filters if one["name"] == FLIGHT_FILTER), filters[0])
 
 
-def _verdict_table(one: dict[str, Any]) -> Table:
-    """The intervals of the verdict beside one filter; of many, those with DISAGREE and the longest others."""
-    table = Table(box=SIMPLE_HEAD, padding=(0, 1))
-    table.add_column(f"verdict beside\n{one['name']}")
-    for label in ("from\ns", "to\ns", "largest\ntilt", "largest\nheading"):
-        table.add_column(label, justify="right", no_wrap=True)
+def _shown(verdicts: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The intervals to show: of many, those with DISAGREE and the longest others."""
+    return sorted(sorted(verdicts, key=_importance)[:VERDICT_ROWS], key=_begin)
+
+
+def _verdict_table(one: dict[str, Any], shown: list[dict[str, Any]]) -> Table:
+    """The intervals of the verdict beside one filter."""
+    labels = ("from\ns", "to\ns", "largest\ntilt", "largest\nheading")
+    table = _figure_table(f"verdict beside\n{one['name']}", *labels)
     table.add_column("reason")
-    table.add_column("sensors; the autopilot itself", overflow="fold")
-    ranked = sorted(one["verdicts"], key=_importance)[:VERDICT_ROWS]
-    for interval in sorted(ranked, key=_begin):
+    for interval in shown:
         angles = ["-" if interval[key] is None else f"{interval[key]:.1f}" for key in ("tilt_deg", "heading_deg")]
         times = [f"{interval[key]:.1f}" for key in ("begin_s", "end_s")]
-        word = interval["verdict"].upper() if interval["verdict"] == "disagree" else interval["verdict"]
-        remarks = "; ".join([*interval["sensors"], *interval["autopilot_reports"]])
-        table.add_row(word, *times, *angles, interval["reason"], remarks)
+        table.add_row(_word(interval), *times, *angles, interval["reason"])
     if len(one["verdicts"]) > VERDICT_ROWS:
         table.caption = f"{VERDICT_ROWS} of {len(one['verdicts'])} intervals; --json has all"
     return table
+
+
+def _word(interval: dict[str, Any]) -> str:
+    """The verdict; the bad one stands out."""
+    word: str = interval["verdict"]
+    return word.upper() if word == "disagree" else word
+
+
+def _remark(interval: dict[str, Any]) -> str:
+    """The sensors of an interval, and the autopilot on itself at its end."""
+    return f"{interval['begin_s']:.1f} s: " + "; ".join([*interval["sensors"], *interval["autopilot_reports"]])
 
 
 def _importance(interval: dict[str, Any]) -> tuple[bool, float]:
@@ -132,14 +154,11 @@ def _begin(interval: dict[str, Any]) -> float:
     return begin_s
 
 
-def _sigma_figures(one: dict[str, Any]) -> list[str]:
+def _innovation_figures(one: dict[str, Any]) -> list[str]:
     """The cells of one filter."""
-    consistency, valid = one["consistency"], one["valid"]
-    cells = []
-    for kind in ("tilt", "heading"):
-        cells += _shares(consistency[kind])
+    valid, cells = one["valid"], []
     for source in ("velocity", "magnetometer"):
-        nis = consistency["nis"][source]
+        nis = one["consistency"]["nis"][source]
         cells.append("-" if nis is None else f"{nis['mean']:.2f}")
     if valid is None:
         return [*cells, "-", "-"]
@@ -150,9 +169,9 @@ def _sigma_figures(one: dict[str, Any]) -> list[str]:
 def _shares(shares: dict[str, float] | None) -> list[str]:
     """Percentages within 1, 2 and 3 sigma, cut rather than rounded up to 100, and the rms."""
     if shares is None:
-        return ["-", "-"]
+        return ["-", "-", "-", "-"]
     percentages = [f"{floor(1000.0 * shares[f'within_{k}']) / 10.0:.1f}" for k in (1, 2, 3)]
-    return ["  ".join(percentages), f"{shares['rms']:.2f}"]
+    return [*percentages, f"{shares['rms']:.2f}"]
 
 
 def _figures(errors: dict[str, Any]) -> list[str]:

@@ -85,8 +85,6 @@ def test_the_replay_of_the_readme_gives_the_figures_that_stand_there(command):
         [*command, *call[1].split()], cwd=REPOSITORY, capture_output=True, text=True, check=True, timeout=120
     )
     printed = [line.split() for line in done.stdout.splitlines()]
-    rows = [
-        line.split() for line in readme.splitlines() if re.match(r"  (gradient|velocity|autopilot's)\S* .*\d", line)
-    ]
-    assert len(rows) == 4
+    rows = [line.split() for line in readme.splitlines() if re.match(r" (gradient|velocity|autopilot's)\S* .*\d", line)]
+    assert len(rows) == 5
     assert [row for row in rows if row not in printed] == []
