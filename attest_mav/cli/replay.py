@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from io import TextIOWrapper
+from itertools import combinations
 from math import inf
 from pathlib import Path
 from typing import IO, Final
@@ -18,6 +19,8 @@ from attest_mav.filters.registry import default_filter, filter_names
 from attest_mav.logs.formats import inertial_names, reference_names
 from attest_mav.replay.batch import Report, replay_file, replay_files
 from attest_mav.replay.csv_table import CsvTable
+from attest_mav.replay.junit import LogResult, junit_xml
+from attest_mav.replay.limits import LIMITED, Checked, Limit, check, parse_limit
 from attest_mav.replay.plan import VehicleChoice, check_names
 from attest_mav.replay.request import Outputs, Request, Window
 from attest_mav.runtime.files import atomic_write, open_log
@@ -51,6 +54,14 @@ LARGEST_ID: Final = 255
 @click.option("--end", "end_s", default=inf, metavar="S", help="Read until S seconds after the first sample.")
 @click.option("--csv", "csv_path", metavar="FILE", help="Write every attitude with its errors.")
 @click.option("--tlog", "tlog_path", metavar="FILE", help="Write the log with the first filter's attitudes inserted.")
+@click.option(
+    "--limit",
+    "limits",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help=f"Exit with 1 where a figure is larger; of {', '.join(LIMITED)}. May be given several times.",
+)
+@click.option("--junit", "junit_path", metavar="FILE", help="Write the outcome of each log and limit as JUnit's XML.")
 @click.option("--json", "json_lines", is_flag=True, help="Print one JSON object a log, one a line.")
 @click.option(
     "--declination",
@@ -70,6 +81,8 @@ def command(
     end_s: float,
     csv_path: str | None,
     tlog_path: str | None,
+    limits: tuple[str, ...],
+    junit_path: str | None,
     json_lines: bool,
     declination_deg: float | None,
 ) -> None:
@@ -81,14 +94,17 @@ def command(
     """
     check_names(imu, reference)
     _check_declination(declination_deg)
-    _check_outputs(logs, csv_path, tlog_path)
+    _check_outputs(logs, {"--csv": csv_path, "--tlog": tlog_path, "--junit": junit_path})
+    showing = _Showing(tuple(parse_limit(text) for text in limits), json_lines)
     window = _window(start_s, end_s, skip_s)
     request = Request(_filters(filters), imu, reference, declination_deg, window, _vehicle(vehicle))
+    results: list[LogResult] = []
     with ExitStack() as stack:
         table = None if csv_path is None else stack.enter_context(_csv_table(csv_path))
         annotated = None if tlog_path is None else stack.enter_context(atomic_write(tlog_path))
-        exit_code, done = _replay_all(logs, _Work(request, table, annotated), json_lines)
-        if not done:
+        stack.enter_context(_junit(junit_path, results))
+        exit_code = _replay_all(logs, _Work(request, table, annotated), showing, results)
+        if all(one.error for one in results):
             # Leaving the block by an exception, so that no output file appears.
             click.get_current_context().exit(exit_code)
     click.get_current_context().exit(exit_code)
@@ -108,27 +124,51 @@ class _Work:
             return replay_file(path, self.request, open_log, Outputs(attitudes, self.annotated, bar.show))
 
 
-def _replay_all(logs: tuple[str, ...], work: _Work, json_lines: bool) -> tuple[int, int]:
-    """Print the outcome of every log: the last failure's exit code, and the number of logs without one."""
-    exit_code = done = 0
+@dataclass(frozen=True)
+class _Showing:
+    """The way in which the report on a log is shown, and the limits that are held against it."""
+
+    limits: tuple[Limit, ...]
+    json_lines: bool
+
+    def __call__(self, report: Report) -> list[Checked]:
+        """Print the report with its limits; the limits as they came out."""
+        checked = check(report, self.limits)
+        if self.json_lines:
+            click.echo(json.dumps({**report, "limits": [one.as_json() for one in checked]}, allow_nan=False))
+            return checked
+        # Costs 100 ms, which a script that reads JSON does not need.
+        from attest_mav.cli.replay_table import print_report  # noqa: PLC0415
+
+        print_report(report)
+        for one in checked:
+            click.echo(f"  limit {'kept  ' if one.passes else 'MISSED'} {one}")
+        return checked
+
+
+def _replay_all(logs: tuple[str, ...], work: _Work, show: _Showing, results: list[LogResult]) -> int:
+    """Print the outcome of every log: the exit code of the last failure, else 1 for a limit that was missed."""
+    exit_code = 0
     for outcome in replay_files(logs, work):
         if outcome.error is not None:
             click.echo(f"attest-mav: error: {outcome.error}", err=True)
             exit_code = outcome.error.exit_code
+            results.append(LogResult(outcome.path, error=str(outcome.error)))
         elif outcome.report is not None:
-            done += 1
-            _show(outcome.report, json_lines)
-    return exit_code, done
+            results.append(LogResult(outcome.path, show(outcome.report)))
+    is_missed = any(not one.passes for result in results for one in result.checked)
+    return exit_code or int(is_missed)
 
 
-def _show(report: Report, json_lines: bool) -> None:
-    if json_lines:
-        click.echo(json.dumps(report, allow_nan=False))
-        return
-    # Costs 100 ms, which a script that reads JSON does not need.
-    from attest_mav.cli.replay_table import print_report  # noqa: PLC0415
-
-    print_report(report)
+@contextmanager
+def _junit(path: str | None, results: list[LogResult]) -> Iterator[None]:
+    """Write the results in the end, where a path is given; also if no log could be read."""
+    try:
+        yield
+    finally:
+        if path is not None and results:
+            with atomic_write(path) as file:
+                file.write(junit_xml(results))
 
 
 def _filters(text: str) -> tuple[AttitudeFilter, ...]:
@@ -169,17 +209,18 @@ def _check_declination(declination_deg: float | None) -> None:
         raise UsageError(f"--declination {declination_deg:g}: expected degrees from -180 to 180, east positive")
 
 
-def _check_outputs(logs: tuple[str, ...], csv_path: str | None, tlog_path: str | None) -> None:
-    """Refuse outputs that would replace an input or each other."""
-    if tlog_path is not None and len(logs) > 1:
+def _check_outputs(logs: tuple[str, ...], outputs: dict[str, str | None]) -> None:
+    """Refuse outputs (paths by option) that would replace an input or each other."""
+    if outputs["--tlog"] is not None and len(logs) > 1:
         raise UsageError("--tlog takes one LOG: an annotated log cannot hold several")
-    outputs = {option: Path(path) for option, path in (("--csv", csv_path), ("--tlog", tlog_path)) if path is not None}
-    for option, output in outputs.items():
+    paths = {option: Path(path) for option, path in outputs.items() if path is not None}
+    for option, output in paths.items():
         for name in logs:
             if _is_same_file(output, Path(name)):
                 raise UsageError(f"{option} {output} would replace the log it is made from")
-    if len(outputs) == 2 and outputs["--csv"].resolve() == outputs["--tlog"].resolve():
-        raise UsageError(f"--csv and --tlog are both {csv_path}: expected two files")
+    for (one, first), (other, second) in combinations(paths.items(), 2):
+        if first.resolve() == second.resolve():
+            raise UsageError(f"{one} and {other} are both {first}: expected two files")
 
 
 def _is_same_file(one: Path, other: Path) -> bool:

@@ -11,7 +11,6 @@ from rich.table import Table
 
 PIPE_COLUMNS = 80
 """Width where there is no terminal to ask."""
-FLIGHT_FILTER = "velocity-aided"
 VERDICT_ROWS = 12
 """Intervals of the verdict that the table shows at most."""
 CONSISTENT = ("63.2", "98.2", "99.9", "1.00", "68.3", "95.4", "99.7", "1.00")
@@ -31,10 +30,10 @@ def print_report(report: dict[str, Any]) -> None:
         if any(one["consistency"] is not None for one in report["filters"]):
             console.print(_sigma_table(report))
             console.print(_innovation_table(report))
-        judge = _judge(report["filters"])
-        if judge["verdicts"]:
-            shown = _shown(judge["verdicts"])
-            console.print(_verdict_table(judge, shown))
+        verdict = report["verdict"]
+        if verdict["intervals"]:
+            shown = _shown(verdict["intervals"])
+            console.print(_verdict_table(verdict, shown))
             for interval in shown:
                 if interval["sensors"] or interval["autopilot_reports"]:
                     console.print(Padding(_remark(interval), (0, 0, 0, 2)))
@@ -109,49 +108,46 @@ def _figure_table(name: str, *figures: str) -> Table:
     return table
 
 
-def _judge(filters: list[dict[str, Any]]) -> dict[str, Any]:
-    """The filter whose verdict is shown: the flight filter, whose sigma covers its errors, else the first."""
-    return next((one for one in filters if one["name"] == FLIGHT_FILTER), filters[0])
-
-
-def _shown(verdicts: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def _shown(intervals: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """The intervals to show: of many, those with DISAGREE and the longest others."""
-    return sorted(sorted(verdicts, key=_importance)[:VERDICT_ROWS], key=_begin)
+    return sorted(sorted(intervals, key=_importance)[:VERDICT_ROWS], key=_start)
 
 
-def _verdict_table(one: dict[str, Any], shown: list[dict[str, Any]]) -> Table:
+def _verdict_table(verdict: dict[str, Any], shown: list[dict[str, Any]]) -> Table:
     """The intervals of the verdict beside one filter."""
     labels = ("from\ns", "to\ns", "largest\ntilt", "largest\nheading")
-    table = _figure_table(f"verdict beside\n{one['name']}", *labels)
+    table = _figure_table(f"verdict beside\n{verdict['filter']}", *labels)
     table.add_column("reason")
     for interval in shown:
-        angles = ["-" if interval[key] is None else f"{interval[key]:.1f}" for key in ("tilt_deg", "heading_deg")]
-        times = [f"{interval[key]:.1f}" for key in ("begin_s", "end_s")]
+        angles = [
+            "-" if interval[key] is None else f"{interval[key]:.1f}" for key in ("peak_tilt_deg", "peak_heading_deg")
+        ]
+        times = [f"{interval[key]:.1f}" for key in ("start_s", "end_s")]
         table.add_row(_word(interval), *times, *angles, interval["reason"])
-    if len(one["verdicts"]) > VERDICT_ROWS:
-        table.caption = f"{VERDICT_ROWS} of {len(one['verdicts'])} intervals; --json has all"
+    if len(verdict["intervals"]) > VERDICT_ROWS:
+        table.caption = f"{VERDICT_ROWS} of {len(verdict['intervals'])} intervals; --json has all"
     return table
 
 
 def _word(interval: dict[str, Any]) -> str:
     """The verdict; the bad one stands out."""
-    word: str = interval["verdict"]
+    word: str = interval["state"]
     return word.upper() if word == "disagree" else word
 
 
 def _remark(interval: dict[str, Any]) -> str:
     """The sensors of an interval, and the autopilot on itself at its end."""
-    return f"{interval['begin_s']:.1f} s: " + "; ".join([*interval["sensors"], *interval["autopilot_reports"]])
+    return f"{interval['start_s']:.1f} s: " + "; ".join([*interval["sensors"], *interval["autopilot_reports"]])
 
 
 def _importance(interval: dict[str, Any]) -> tuple[bool, float]:
     """DISAGREE first, then the long ones."""
-    return interval["verdict"] != "disagree", interval["begin_s"] - interval["end_s"]
+    return interval["state"] != "disagree", interval["start_s"] - interval["end_s"]
 
 
-def _begin(interval: dict[str, Any]) -> float:
-    begin_s: float = interval["begin_s"]
-    return begin_s
+def _start(interval: dict[str, Any]) -> float:
+    start_s: float = interval["start_s"]
+    return start_s
 
 
 def _innovation_figures(one: dict[str, Any]) -> list[str]:

@@ -14,6 +14,7 @@ from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.logs.source import EstimateWriter, Plan
 from attest_mav.replay.comparison import Attitude, Comparison, ComparisonSink
+from attest_mav.replay.lane_faults import LaneFaults
 from attest_mav.replay.log_time import LogTime, Motion, Regularity
 from attest_mav.replay.reference_track import ReferenceTrack
 from attest_mav.replay.request import Window
@@ -35,10 +36,13 @@ class FilterRun:
     def __init__(
         self, one: AttitudeFilter, plan: Plan, field: EarthField, comparison: Comparison, verdicts: VerdictLog
     ) -> None:
+        self.one: Final = one
+        self.settings: Final = PipelineSettings()
         self.comparison: Final = comparison
         self.verdicts: Final = verdicts
+        self.faults: Final = LaneFaults()
         others = plan.other_sensors if isinstance(one, VelocityAided) else ()  # without a witness they serve nothing
-        self.pipeline: Final = Pipeline(PipelineSettings(), one, [plan.imu, *others])
+        self.pipeline: Final = Pipeline(self.settings, one, [plan.imu, *others])
         self.pipeline.set_field(field)
         self.aligned_s = inf
         """Log time of the first estimate, s."""
@@ -71,6 +75,8 @@ class Flight:
         if self.autopilot is not None:
             self._comparisons.append(self.autopilot)
         self.imu: Final = Regularity()
+        self.sensors: Final = {name: Regularity() for name in (plan.imu, *plan.other_sensors)} | {plan.imu: self.imu}
+        """The streams of the inertial sensors; ``imu`` is the first of them."""
         self.motion: Final = Motion()
         self.reference_samples = 0
         self.window: Final = window
@@ -97,6 +103,7 @@ class Flight:
             if sample.source == self._imu_source:
                 self._take_imu(sample, position)
             elif self._reading and self.imu.samples and sample.source in self._other_sensors:
+                self.sensors[sample.source].add(sample.t_ns)
                 self._fly(sample, self._time.at(sample.t_ns), position)
             if sample.source == self._timing_source:
                 self._take_stamped(self._stamp.timed(sample.t_ns, sample.rx_ns))
@@ -158,6 +165,7 @@ class Flight:
                 run.verdicts.take(event, elapsed_s)
             elif isinstance(event, LaneEvent):
                 run.verdicts.lane_event(event)
+                run.faults.take(event, self._elapsed_s)
 
     def _take_estimate(self, run: FilterRun, estimate: Estimate, elapsed_s: float) -> None:
         run.aligned_s = min(run.aligned_s, elapsed_s)

@@ -1,23 +1,19 @@
 """The result of a replay as the JSON object of the contract."""
 
-from math import degrees, inf, isfinite
-from typing import Any, Final
+from math import inf
+from typing import Any
 
 from attest_mav.replay.comparison import Comparison
 from attest_mav.replay.consistency import Consistency, NisMean, SigmaCount
 from attest_mav.replay.engine import Replay
 from attest_mav.replay.metrics import ErrorColumns, Spread
 from attest_mav.replay.plan import replayable
-from attest_mav.replay.verdict_log import VerdictLog
-
-DIGITS: Final = 6
-"""Decimals of a degree, a second, a hertz or a share: more than any of them is good for."""
+from attest_mav.replay.verdict_report import DIGITS, lanes_of, stream, verdict_of
 
 
 def as_json(name: str, replay: Replay) -> dict[str, Any]:
     """The object that ``replay --json`` prints for the log called ``name``."""
     summary, plan, flight, window = replay.summary, replay.plan, replay.flight, replay.flight.window
-    rate_hz, gaps = flight.imu.rate_and_gaps()
     return {
         "log": name,
         "format": summary.log_format,
@@ -29,12 +25,8 @@ def as_json(name: str, replay: Replay) -> dict[str, Any]:
             {"system": one.vehicle[0], "component": one.vehicle[1], "samples": one.count(plan.imu)}
             for one in replayable(summary)
         ],
-        "imu": {
-            "message": plan.imu,
-            "samples": flight.imu.samples,
-            "rate_hz": None if rate_hz is None else round(rate_hz, DIGITS),
-            "gaps": gaps,
-        },
+        "imu": stream(plan.imu, flight.imu),
+        "lanes": lanes_of(flight),
         "north": _north(replay),
         "window": {
             "start_s": window.start_s,
@@ -44,8 +36,9 @@ def as_json(name: str, replay: Replay) -> dict[str, Any]:
         "reference": None
         if plan.reference is None
         else {"message": plan.reference, "samples": flight.reference_samples},
-        "filters": [{**_filter(run.comparison), "verdicts": _verdicts(run.verdicts)} for run in flight.runs],
+        "filters": [_filter(run.comparison) for run in flight.runs],
         "autopilot": None if flight.autopilot is None else {"message": plan.autopilot, **_errors(flight.autopilot)},
+        "verdict": verdict_of(flight),
         "notes": list(replay.notes),
     }
 
@@ -72,28 +65,6 @@ def _filter(comparison: Comparison) -> dict[str, Any]:
         "valid": _valid(comparison.errors) if has_sigma and comparison.errors.samples else None,
         "consistency": _consistency(comparison.consistency) if has_sigma else None,
     }
-
-
-def _verdicts(log: VerdictLog) -> list[dict[str, Any]]:
-    """The intervals of the verdict on the autopilot's attitude beside this filter, in log time."""
-    return [
-        {
-            "begin_s": round(one.begin_s, DIGITS),
-            "end_s": round(one.end_s, DIGITS),
-            "verdict": one.interval.agreement.name.lower(),
-            "reason": one.interval.reason,
-            "tilt_deg": _angle(one.interval.peak_tilt),
-            "heading_deg": _angle(one.interval.peak_heading),
-            "sensors": list(one.interval.lanes),
-            "autopilot_reports": list(one.reports),
-        }
-        for one in log.intervals
-    ]
-
-
-def _angle(angle: float) -> float | None:
-    """Degrees; None where nothing was compared."""
-    return round(degrees(angle), DIGITS) if isfinite(angle) else None
 
 
 def _valid(errors: ErrorColumns) -> dict[str, Any]:

@@ -96,7 +96,6 @@ def test_json_is_one_object_a_log_one_a_line(attest_mav):
         "valid",
         "consistency",
         "not_compared",
-        "verdicts",
     }
     assert set(laps["autopilot"]["heading_deg"]) == {"rms", "p95", "max"}
 

@@ -36,7 +36,7 @@ def recording(dialect, faults, seconds):
 def intervals_of(data, dialect, *filters):
     request = Request(filters, None, None, None, Window(skip_s=5.0))
     report = as_json("log", replay(TlogSource(data, dialect), request, Outputs()))
-    return [one["verdicts"] for one in report["filters"]]
+    return report["verdict"]["intervals"]
 
 
 @pytest.fixture(scope="module")
@@ -45,14 +45,27 @@ def wrong_twice(dialect):
 
 
 def test_a_wrong_attitude_is_an_interval_with_its_numbers(wrong_twice, dialect):
-    (verdicts,) = intervals_of(wrong_twice, dialect, VelocityAided())
-    off = next(one for one in verdicts if one["verdict"] == "disagree")
-    assert 20.4 < off["begin_s"] + first_sample_s(wrong_twice, dialect) < 21.2, "the fault and the hold time"
+    verdicts = intervals_of(wrong_twice, dialect, VelocityAided())
+    off = next(one for one in verdicts if one["state"] == "disagree")
+    assert 20.4 < off["start_s"] + first_sample_s(wrong_twice, dialect) < 21.2, "the fault and the hold time"
     assert 28.0 < off["end_s"] + first_sample_s(wrong_twice, dialect) < 28.8
     assert off["reason"] == "tilt"
-    assert off["tilt_deg"] == pytest.approx(12.0, abs=0.5)
+    assert off["peak_tilt_deg"] == pytest.approx(12.0, abs=0.5)
     assert off["sensors"] == ["RAW_IMU used", "SCALED_IMU2 used"]
     assert off["autopilot_reports"] == []
+
+
+def test_a_sensor_set_aside_is_a_fault_of_its_stream(dialect):
+    data = recording(dialect, ["gyro1-bias-x=5@20+8"], 40)
+    report = as_json("log", replay(TlogSource(data, dialect), Request((), None, None, None, Window()), Outputs()))
+    first, second = report["lanes"]
+    assert (first["message"], second["message"], second["faults"]) == ("RAW_IMU", "SCALED_IMU2", [])
+    assert first["samples"] == second["samples"] > 1900
+    (fault,) = first["faults"]
+    assert fault["kind"] == "set-aside"
+    assert "gyro x" in fault["text"]
+    assert 20.0 < fault["start_s"] + first_sample_s(data, dialect) < 22.0
+    assert 28.0 < fault["end_s"] + first_sample_s(data, dialect) < 38.0
 
 
 def first_sample_s(data, dialect):
@@ -65,24 +78,24 @@ def first_sample_s(data, dialect):
 
 
 def test_intervals_follow_each_other_to_the_end_of_the_log(wrong_twice, dialect):
-    (verdicts,) = intervals_of(wrong_twice, dialect, VelocityAided())
-    assert verdicts[0]["begin_s"] < 1.0
+    verdicts = intervals_of(wrong_twice, dialect, VelocityAided())
+    assert verdicts[0]["start_s"] < 1.0
     assert verdicts[-1]["end_s"] > 49.0
     for earlier, later in pairwise(verdicts):
-        assert later["begin_s"] == earlier["end_s"]
-        assert later["verdict"] != earlier["verdict"]
+        assert later["start_s"] == earlier["end_s"]
+        assert later["state"] != earlier["state"]
 
 
-def test_each_filter_judges_by_itself(wrong_twice, dialect):
+def test_the_flight_filter_judges_whatever_its_company(wrong_twice, dialect):
     alone = intervals_of(wrong_twice, dialect, VelocityAided())
     both = intervals_of(wrong_twice, dialect, GradientDescent(), VelocityAided())
-    assert both[1] == alone[0], "the company of another filter changes nothing"
-    assert both[0] != alone[0]
+    assert both == alone
+    assert intervals_of(wrong_twice, dialect, GradientDescent()) != alone
 
 
 def test_what_the_autopilot_said_of_itself_stands_beside_the_interval(dialect):
     data = recording(dialect, ["gyro1-bias-x=5@20+15"], 30)
-    (verdicts,) = intervals_of(data, dialect, VelocityAided())
+    verdicts = intervals_of(data, dialect, VelocityAided())
     assert any('said "EKF3 lane switch 1"' in text for one in verdicts for text in one["autopilot_reports"])
 
 
@@ -90,15 +103,15 @@ def test_attitudes_that_stop_leave_the_verdict_undecided(dialect, without):
     whole = recording(dialect, [], 40)
     half = whole.index((START_US + 20_000_000).to_bytes(8, "big"))
     data = whole[:half] + without(whole[half:], 30)
-    (verdicts,) = intervals_of(data, dialect, VelocityAided())
-    assert [one["verdict"] for one in verdicts][-2:] == ["agree", "undecided"]
+    verdicts = intervals_of(data, dialect, VelocityAided())
+    assert [one["state"] for one in verdicts][-2:] == ["agree", "undecided"]
     assert verdicts[-1]["reason"] == "no-reference"
-    assert (verdicts[-1]["tilt_deg"], verdicts[-1]["heading_deg"]) == (None, None)
+    assert (verdicts[-1]["peak_tilt_deg"], verdicts[-1]["peak_heading_deg"]) == (None, None)
 
 
 def test_a_log_without_an_attitude_of_the_autopilot_has_no_verdicts(dialect, without):
     data = without(recording(dialect, [], 10), 30)
-    assert intervals_of(data, dialect, VelocityAided()) == [[]]
+    assert intervals_of(data, dialect, VelocityAided()) == []
 
 
 def test_the_table_shows_the_flight_filters_verdict(wrong_twice, tmp_path):
@@ -109,4 +122,4 @@ def test_the_table_shows_the_flight_filters_verdict(wrong_twice, tmp_path):
     (line,) = [line for line in table.splitlines() if "DISAGREE" in line and " 12." in line]
     assert " tilt " in line
     report = json.loads(CliRunner().invoke(replay_command, ["--json", str(path)]).stdout)
-    assert [one["verdict"] for one in report["filters"][0]["verdicts"]].count("disagree") >= 1
+    assert [one["state"] for one in report["verdict"]["intervals"]].count("disagree") >= 1
