@@ -69,7 +69,7 @@ def prepare_figures(folder: str, chosen: "list[Scenario]") -> "list[PaperFigure]
 
 def draw(drawings: "list[PaperFigure]", folder: Path, seed: int, workers: int | None) -> None:
     """Draw each figure into a PNG file of its name."""
-    from attest_mav.evaluation.harness import processes  # noqa: PLC0415 - with it comes multiprocessing
+    from attest_mav.runtime.processes import processes  # noqa: PLC0415 - with it comes multiprocessing
 
     with processes(workers) as trial_map:
         for figure in drawings:
@@ -83,7 +83,7 @@ def measure(chosen: "list[Scenario]", runs: int | None, seed: int, workers: int 
     """Evaluate one after another; on a terminal, say which one is running."""
     from rich.console import Console  # noqa: PLC0415 - only when shown
 
-    from attest_mav.evaluation.harness import processes  # noqa: PLC0415 - with it comes multiprocessing
+    from attest_mav.runtime.processes import processes  # noqa: PLC0415 - with it comes multiprocessing
 
     outcomes = []
     with processes(workers) as trial_map, Console(stderr=True).status("") as status:

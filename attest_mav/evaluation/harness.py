@@ -11,22 +11,10 @@ A trial draws all its random numbers from ``np.random.default_rng([seed, run])``
 many runs there are nor on the process that it lands in.
 """
 
-import os
-import signal
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import Future, ProcessPoolExecutor
-from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
 from math import isfinite
-from multiprocessing.context import SpawnContext, SpawnProcess
-from typing import Final, Protocol, TypeVar
-
-from attest_mav.errors import UsageError
-
-AHEAD: Final = 16
-"""Tasks of each process that are given out before they are needed."""
+from typing import Protocol, TypeVar
 
 Bound = tuple[float, float]
 """Lowest and highest value that passes."""
@@ -100,71 +88,3 @@ class Scenario:
         runs = self.default_runs if runs is None else runs
         measured = self.measure(runs, seed, trial_map)
         return Outcome(self.id, self.title, measured, self.bounds, self.paper, runs, seed)
-
-
-class Helper(SpawnProcess):
-    """A process that Ctrl-C does not reach, not even while Python starts in it: ending is for the one that it helps.
-
-    A blocked signal stays blocked in the process that is started; here a Ctrl-C in between waits until the end.
-    """
-
-    def start(self) -> None:
-        """Start it with SIGINT blocked."""
-        former = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
-        try:
-            super().start()
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, former)
-
-
-class Helpers(SpawnContext):
-    """How the helping processes are started.
-
-    Processes are spawned, not forked: a fork would copy the threads and locks of whoever shows the progress.
-    """
-
-    Process = Helper
-
-
-@contextmanager
-def processes(workers: int | None) -> Iterator[TrialMap]:
-    """A map over that many processes (None: one a core); with one worker, the built-in map. UsageError below one."""
-    if workers is not None and workers < 1:
-        raise UsageError(f"{workers} workers: expected 1 or more processes")
-    if workers == 1:
-        yield map
-        return
-    count = workers or os.cpu_count() or 1
-    with ProcessPoolExecutor(count, mp_context=Helpers()) as pool:
-        try:
-            yield partial(map_over, pool, AHEAD * count)
-        except BaseException:  # Ctrl-C: what waits would otherwise be worked off first
-            pool.shutdown(cancel_futures=True)
-            raise
-
-
-def map_over(
-    pool: ProcessPoolExecutor, ahead: int, function: Callable[[Task], Result], tasks: Iterable[Task]
-) -> Iterator[Result]:
-    """The built-in ``map`` over a pool, with at most that many tasks given out ahead of the result that is next."""
-    given: deque[Future[Result]] = deque()
-    for task in tasks:
-        with interrupts_held():
-            given.append(pool.submit(function, task))
-        if len(given) >= ahead:
-            yield given.popleft().result()
-    while given:
-        yield given.popleft().result()
-
-
-@contextmanager
-def interrupts_held() -> Iterator[None]:
-    """Ctrl-C waits until the end of this block: a pool whose queue was interrupted half-way hangs. Main thread only."""
-    held = []
-    former = signal.signal(signal.SIGINT, lambda *_: held.append(True))
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, former)
-        if held:
-            raise KeyboardInterrupt

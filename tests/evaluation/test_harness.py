@@ -6,8 +6,9 @@ from math import inf, nan, sqrt
 import pytest
 
 from attest_mav.errors import UsageError
-from attest_mav.evaluation.harness import Outcome, Scenario, processes
+from attest_mav.evaluation.harness import Outcome, Scenario
 from attest_mav.evaluation.papers.scenarios import all_scenarios, select
+from attest_mav.runtime.processes import processes
 
 
 def outcome(value, bounds=(1.0, 2.0)):

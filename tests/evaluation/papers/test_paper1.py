@@ -5,7 +5,6 @@ from math import degrees, radians
 import numpy as np
 import pytest
 
-from attest_mav.evaluation.harness import processes
 from attest_mav.evaluation.papers import paper1
 from attest_mav.evaluation.papers.paper1 import (
     ERRORS,
@@ -18,6 +17,7 @@ from attest_mav.evaluation.papers.paper1 import (
     run_trial,
 )
 from attest_mav.evaluation.papers.scenarios import select
+from attest_mav.runtime.processes import processes
 from attest_mav.types import G_MPS2
 
 

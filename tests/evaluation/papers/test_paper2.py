@@ -6,7 +6,6 @@ from math import degrees
 import numpy as np
 import pytest
 
-from attest_mav.evaluation.harness import processes
 from attest_mav.evaluation.papers import paper2
 from attest_mav.evaluation.papers.paper2 import Trial, run_trial
 from attest_mav.evaluation.papers.rotation_stand import (
@@ -28,6 +27,7 @@ from attest_mav.evaluation.papers.rotation_stand import (
 )
 from attest_mav.evaluation.papers.scenarios import select
 from attest_mav.filters.robust_adaptive.filter import RobustAdaptive
+from attest_mav.runtime.processes import processes
 from attest_mav.types import G_MPS2
 
 

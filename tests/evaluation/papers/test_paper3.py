@@ -6,7 +6,6 @@ from math import degrees, radians
 import numpy as np
 import pytest
 
-from attest_mav.evaluation.harness import processes
 from attest_mav.evaluation.papers.paper3 import (
     LOOSE_LENGTH,
     NAVIGATION,
@@ -34,6 +33,7 @@ from attest_mav.evaluation.papers.underwater import (
     states,
     voyage,
 )
+from attest_mav.runtime.processes import processes
 
 PERFECT = Sensors((0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
