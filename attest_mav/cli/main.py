@@ -7,7 +7,7 @@ from typing import Final
 
 import click
 
-import attest_mav.algebra
+from attest_mav.cli.version import version_text
 from attest_mav.errors import AttestMavError, UnwritableError
 from attest_mav.runtime.files import give_up_stdout
 
@@ -47,23 +47,6 @@ class LazyGroup(click.Group):
         """List the commands in --help without importing them."""
         with formatter.section("Commands"):
             formatter.write_dl(list(COMMANDS.items()))
-
-
-def build_kind() -> str:
-    """``compiled`` when the core is machine code, else ``interpreted``."""
-    origin = attest_mav.algebra.__file__ or ""
-    return "interpreted" if origin.endswith(".py") else "compiled"
-
-
-def version_text() -> str:
-    """Version and build kind, as ``--version`` prints them."""
-    from importlib import metadata  # noqa: PLC0415  (40 ms that no other command needs)
-
-    try:
-        version = metadata.version("attest-mav")
-    except metadata.PackageNotFoundError:  # a source tree that was never installed
-        version = "unknown"
-    return f"attest-mav {version} ({build_kind()})"
 
 
 def show_version(ctx: click.Context, _parameter: click.Parameter, wanted: bool) -> None:

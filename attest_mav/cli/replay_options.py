@@ -1,0 +1,81 @@
+"""The options of ``attest-mav replay``: what they mean, and a sentence for values that make no sense."""
+
+from collections.abc import Sequence
+from itertools import combinations
+from math import inf
+from pathlib import Path
+from typing import Final
+
+from attest_mav.errors import UsageError
+from attest_mav.filters.base import AttitudeFilter
+from attest_mav.filters.registry import default_filter
+from attest_mav.replay.plan import VehicleChoice
+from attest_mav.replay.request import Window
+
+AUTO: Final = "auto"
+LARGEST_ID: Final = 255
+"""Of a MAVLink system or component."""
+
+
+def filters_of(text: str) -> tuple[AttitudeFilter, ...]:
+    """The filters of a list of names with commas; none for ``AUTO``."""
+    names = [name.strip() for name in text.split(",")]
+    if names == [AUTO]:
+        return ()
+    if AUTO in names:
+        raise UsageError(f"--filter {text}: {AUTO} stands alone; expected it, or names of filters")
+    if len(set(names)) < len(names):
+        raise UsageError(f"--filter {text}: a filter is named twice")
+    return tuple(default_filter(name) for name in names)
+
+
+def vehicle_of(text: str | None) -> VehicleChoice | None:
+    """The vehicle of ``SYSTEM`` or ``SYSTEM/COMPONENT``."""
+    if text is None:
+        return None
+    system, slash, component = text.partition("/")
+    numbers = [system, component] if slash else [system]
+    if not all(number.isdecimal() and int(number) <= LARGEST_ID for number in numbers):
+        raise UsageError(f"--vehicle {text}: expected SYSTEM or SYSTEM/COMPONENT, numbers from 0 to {LARGEST_ID}")
+    return int(system), int(component) if slash else None
+
+
+def window_of(start_s: float, end_s: float, skip_s: float) -> Window:
+    """The part of the log to read; UsageError for values that make no sense."""
+    for option, value in (("--start", start_s), ("--skip", skip_s)):
+        if not 0.0 <= value < inf:
+            raise UsageError(f"{option} {value:g}: expected seconds, 0 or more")
+    if not end_s > start_s:
+        raise UsageError(f"--end {end_s:g}: expected more than --start, which is {start_s:g} s")
+    return Window(start_s, end_s, skip_s)
+
+
+def check_declination(declination_deg: float | None) -> None:
+    """Refuse what is no angle."""
+    if declination_deg is not None and not -180.0 <= declination_deg <= 180.0:
+        raise UsageError(f"--declination {declination_deg:g}: expected degrees from -180 to 180, east positive")
+
+
+def check_outputs(logs: Sequence[str], outputs: dict[str, str | None]) -> None:
+    """Refuse outputs (paths by option) that would replace an input or each other."""
+    if outputs["--tlog"] is not None and len(logs) > 1:
+        raise UsageError("--tlog takes one LOG: an annotated log cannot hold several")
+    paths = {option: Path(path) for option, path in outputs.items() if path is not None}
+    for option, output in paths.items():
+        for name in logs:
+            if _is_same_file(output, Path(name)):
+                raise UsageError(f"{option} {output} would replace the log it is made from")
+    for (one, first), (other, second) in combinations(paths.items(), 2):
+        if first.resolve() == second.resolve():
+            raise UsageError(f"{one} and {other} are both {first}: expected two files")
+
+
+def check_workers(workers: int | None, is_alone: bool) -> None:
+    """Refuse several processes where the logs are written one after the other, and none at all."""
+    if workers is not None and (workers < 1 or (workers > 1 and is_alone)):
+        expected = "1 with --csv, --tlog or a single log" if workers > 1 else "1 or more processes"
+        raise UsageError(f"--workers {workers}: expected {expected}")
+
+
+def _is_same_file(one: Path, other: Path) -> bool:
+    return one.resolve() == other.resolve() or (one.is_file() and other.is_file() and one.samefile(other))

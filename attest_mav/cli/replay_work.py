@@ -1,0 +1,166 @@
+"""The work of ``attest-mav replay`` on its logs: one after the other or in several processes, shown in order."""
+
+import json
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import partial
+from io import TextIOWrapper
+from typing import IO
+
+import click
+
+from attest_mav.cli.progress import ProgressBar
+from attest_mav.errors import AttestMavError, UnreadableDataError
+from attest_mav.replay.batch import Outcome, Report, replay_file, replay_files
+from attest_mav.replay.csv_table import CsvTable
+from attest_mav.replay.junit import LogResult, junit_xml
+from attest_mav.replay.limits import Checked, Limit, check
+from attest_mav.replay.request import Outputs, Request
+from attest_mav.replay.summary import summary_of
+from attest_mav.runtime.files import atomic_write, open_log
+from attest_mav.runtime.results import Results
+
+MANY = 8
+"""Of more logs than this the summary is printed alone."""
+
+
+@dataclass(frozen=True)
+class Work:
+    """The work on each log of a command: with a progress bar, and with the files that are written beside the report."""
+
+    request: Request
+    table: CsvTable | None = None
+    annotated: IO[bytes] | None = None
+
+    def __call__(self, path: str) -> Report:
+        """Replay one log in this process."""
+        attitudes = None if self.table is None else self.table.rows_of(path)
+        with ProgressBar(path) as bar:
+            return replay_file(path, self.request, open_log, Outputs(attitudes, self.annotated, bar.show))
+
+
+@dataclass
+class Showing:
+    """The way in which outcomes are shown, the limits that are held against them, and the sum of them all.
+
+    is_brief: the summary in the end is all that is shown.
+    """
+
+    limits: tuple[Limit, ...]
+    json_lines: bool
+    is_brief: bool
+    exit_code: int = 0
+    """That of the last log that could not be read, else 1 if a limit was missed."""
+    results: list[LogResult] = field(default_factory=list)
+    outcomes: list[Outcome] = field(default_factory=list)
+
+    def take(self, outcome: Outcome) -> None:
+        """Show one outcome."""
+        self.outcomes.append(outcome)
+        if outcome.error is not None:
+            click.echo(f"attest-mav: error: {outcome.error}", err=True)
+            self.exit_code = outcome.error.exit_code
+            self.results.append(LogResult(outcome.path, error=str(outcome.error)))
+        elif outcome.report is not None:
+            checked = check(outcome.report, self.limits)
+            self.results.append(LogResult(outcome.path, checked))
+            self.exit_code = self.exit_code or int(any(not one.passes for one in checked))
+            self._show(outcome.report, checked)
+
+    def finish(self) -> None:
+        """Print the summary of several logs."""
+        if len(self.outcomes) < 2 or self.json_lines:
+            return
+        from attest_mav.cli.summary_table import print_summary  # noqa: PLC0415 (costs 100 ms)
+
+        print_summary(summary_of(self.outcomes))
+
+    @property
+    def nothing_was_read(self) -> bool:
+        """Whether no log could be read."""
+        return all(one.error for one in self.results)
+
+    def _show(self, report: Report, checked: list[Checked]) -> None:
+        if self.json_lines:
+            click.echo(json.dumps({**report, "limits": [one.as_json() for one in checked]}, allow_nan=False))
+            return
+        if not self.is_brief:
+            # Costs 100 ms, which a script that reads JSON does not need.
+            from attest_mav.cli.replay_table import print_report  # noqa: PLC0415
+
+            print_report(report)
+        for one in checked:
+            if not (self.is_brief and one.passes):
+                where = f"{click.format_filename(report['log'])}: " if self.is_brief else ""
+                click.echo(f"  {where}limit {'kept  ' if one.passes else 'MISSED'} {one}")
+
+
+def replay_here(logs: list[str], work: Work) -> Iterator[Outcome]:
+    """The outcome of every log, one after the other."""
+    return replay_files(logs, work)
+
+
+def replay_spread(logs: list[str], request: Request, workers: int | None) -> Iterator[Outcome]:
+    """The outcome of every log in order, made by several processes (None: one a core)."""
+    from attest_mav.runtime.processes import processes  # noqa: PLC0415 - with it comes multiprocessing
+
+    count = min(workers or os.cpu_count() or 1, len(logs))
+    with processes(count) as task_map, ProgressBar(f"{len(logs)} logs") as bar:
+        for done, (path, (report, error)) in enumerate(
+            zip(logs, task_map(partial(_replayed, request=request), logs), strict=True), 1
+        ):
+            bar.show(done / len(logs))
+            yield Outcome(path, report, error)
+
+
+def _replayed(path: str, request: Request) -> tuple[Report | None, AttestMavError | None]:
+    """The outcome of one log in a helping process, in a form that pickle takes."""
+    (outcome,) = replay_files([path], partial(replay_file, request=request, open_log=open_log))
+    return outcome.report, outcome.error
+
+
+Replayed = Callable[[list[str]], Iterator[Outcome]]
+"""Replays logs, in order."""
+
+
+def resumed(logs: list[str], results: Results, replayed: Replayed) -> Iterator[Outcome]:
+    """The outcomes that are kept, and those of the other logs, which are kept too; in order of the logs."""
+    kept = {path: known for path in logs if (known := results.known(path)) is not None}
+    fresh = replayed([path for path in logs if path not in kept])
+    for path in logs:
+        if path in kept:
+            yield _kept(path, kept[path])
+            continue
+        outcome = next(fresh)
+        error = None if outcome.error is None else str(outcome.error)
+        results.add(path, {"report": outcome.report, "error": error})
+        yield outcome
+
+
+def _kept(path: str, result: Report) -> Outcome:
+    if result["error"] is not None:
+        return Outcome(path, None, UnreadableDataError(result["error"]))
+    return Outcome(path, result["report"], None)
+
+
+@contextmanager
+def junit_file(path: str | None, results: list[LogResult]) -> Iterator[None]:
+    """Write the results in the end, where a path is given; also if no log could be read."""
+    try:
+        yield
+    finally:
+        if path is not None and results:
+            with atomic_write(path) as file:
+                file.write(junit_xml(results))
+
+
+@contextmanager
+def csv_file(path: str) -> Iterator[CsvTable]:
+    """A table in a file that appears when all of its rows are written."""
+    with atomic_write(path) as file:
+        # The name of a log need not be text; its bytes come out as they are.
+        text = TextIOWrapper(file, encoding="utf-8", errors="surrogateescape", newline="")
+        yield CsvTable(text)
+        text.detach()
