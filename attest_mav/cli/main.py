@@ -16,6 +16,7 @@ COMMANDS: Final = {
     "replay": "Run filters over logs and compare them with a reference.",
     "evaluate": "Reproduce the papers' scenarios and check them against their bounds.",
     "sim": "The fake autopilot as a process of its own.",
+    "play": "Send a recorded flight on a link, like a live vehicle.",
     "config": "Check a configuration file, or show the effective one.",
 }
 """Each is the ``command`` of the module of the same name; the help is here so that listing them imports none."""

@@ -10,7 +10,7 @@ from attest_mav.config.link_url import Scheme, parse_link
 from attest_mav.errors import UsageError
 from attest_mav.runtime.links.open import open_link
 from attest_mav.runtime.signals import stop_signals
-from attest_mav.runtime.sim_host import SimHost
+from attest_mav.runtime.vehicle_host import VehicleHost
 from attest_mav.sim.autopilot import MAX_RATE_HZ, FakeAutopilot
 from attest_mav.sim.fault_text import EXAMPLE, FORM, parse_faults, spelling
 from attest_mav.sim.faults import KINDS
@@ -91,7 +91,7 @@ def command(
     link = open_link(url, time.monotonic_ns())
     until = "until interrupted" if duration is None else f"for {duration:g} s"
     wrong = f", faults {' '.join(faults)}" if faults else ""
-    host = SimHost(vehicle, link, None if duration is None else round(duration * 1e9), speed)
+    host = VehicleHost(vehicle, link, None if duration is None else round(duration * 1e9), speed)
     try:
         with stop_signals() as stop:
             click.echo(f"attest-mav sim: {vehicle}, seed {seed}{wrong}, on {link.url} {until}", err=True)

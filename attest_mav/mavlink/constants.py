@@ -12,9 +12,11 @@ known of the autopilot: the three of the first sensor, then those of the second 
 OTHER_SENSORS: Final = {
     "RAW_IMU": ("SCALED_IMU2", "SCALED_IMU3"),
     "SCALED_IMU": ("SCALED_IMU2", "SCALED_IMU3"),
-    "SCALED_IMU2": ("SCALED_IMU3",),
+    "SCALED_IMU2": ("RAW_IMU", "SCALED_IMU3"),
 }
-"""The messages of the other sensors, by the primary message. HIGHRES_IMU does not tell which sensor it reads."""
+"""The messages of the other sensors, by the primary message. HIGHRES_IMU does not tell which sensor it reads.
+
+RAW_IMU and SCALED_IMU are of one sensor, so that only one of them stands beside another."""
 
 UINT8_MAX: Final = 255
 UINT16_MAX: Final = 65535

@@ -100,6 +100,15 @@ def test_by_default_a_message_of_every_other_sensor_is_requested_and_used(witnes
     assert {SCALED_IMU2, SCALED_IMU3} <= {message for message, _, _ in w.bench.interval_requests()}
 
 
+def test_a_message_that_comes_late_is_used_beside_the_one_that_replaced_it(witness):
+    w = witness()
+    w.fly(12.0, {SCALED_IMU2: 20})
+    assert w.bench.companion.data.primary_imu == "SCALED_IMU2"
+    w.fly(20.0, {SCALED_IMU2: 20, RAW_IMU: 10})
+    assert w.readings(since_s=13.0) == {"RAW_IMU": {10}, "SCALED_IMU2": {20}}
+    assert w.bench.companion.data.single_imu == ""
+
+
 def test_where_none_is_configured_one_inertial_message_is_requested_and_used(witness):
     w = witness(further_imu_messages=())
     w.fly(3.0, {RAW_IMU: 10, SCALED_IMU2: 20})

@@ -9,7 +9,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from attest_mav.config.link_url import parse_link
 from attest_mav.runtime.links.open import open_link
-from attest_mav.runtime.sim_host import SimHost
+from attest_mav.runtime.vehicle_host import VehicleHost
 from attest_mav.sim.autopilot import FakeAutopilot
 from attest_mav.sim.settings import SimSettings
 
@@ -44,7 +44,7 @@ def heard(peer):
 
 
 def fly(link, duration_ns, stopped=False):
-    host = SimHost(FakeAutopilot(SimSettings(scenario="still", fast_rate_hz=50.0), 1), link, duration_ns, SPEED)
+    host = VehicleHost(FakeAutopilot(SimSettings(scenario="still", fast_rate_hz=50.0), 1), link, duration_ns, SPEED)
     stop, signal = socket.socketpair()
     with stop, signal:
         if stopped:
