@@ -1,5 +1,7 @@
 """``attest-mav config``: check a configuration, or show the effective one."""
 
+from collections.abc import Sequence
+
 import click
 
 from attest_mav.config.records import Config, parse_config
@@ -29,10 +31,15 @@ def show(file: str | None) -> None:
     click.echo(to_toml(load(file)), nl=False)
 
 
-def load(file: str | None) -> Config:
-    """The configuration in a file, or the defaults without one; ConfigError names the key that is wrong."""
-    if file is None:
+def load(file: str | None, changes: Sequence[str] = ()) -> Config:
+    """The configuration in a file, or the defaults without one, with changes of ``--set``.
+
+    ConfigError names the key that is wrong.
+    """
+    if file is None and not changes:
         return Config()
-    config = parse_config(read_config(file), file)
-    check_simulations(config, file)
+    text = "" if file is None else read_config(file)
+    name = " and ".join([*([] if file is None else [file]), *(["--set"] if changes else [])])
+    config = parse_config(text, name, changes)
+    check_simulations(config, name)
     return config

@@ -11,7 +11,7 @@ from attest_mav.cli.replay_options import (
     check_declination,
     check_outputs,
     check_workers,
-    filters_of,
+    configured,
     vehicle_of,
     window_of,
 )
@@ -55,6 +55,13 @@ from attest_mav.runtime.results import Results
     help="Vehicle to read where a log has several; the one with most inertial messages if not given.",
 )
 @click.option(
+    "--config",
+    "config_file",
+    metavar="FILE",
+    help="Configuration (TOML) with the parameters of filters, thresholds of the verdict and sources of the aids.",
+)
+@click.option("--set", "changes", metavar="KEY=VALUE", multiple=True, help="A value, instead of the configuration's.")
+@click.option(
     "--skip", "skip_s", default=30.0, show_default=True, metavar="SECONDS", help="Not counted: so long after alignment."
 )
 @click.option("--start", "start_s", default=0.0, metavar="S", help="Read from S seconds after the first sample.")
@@ -95,6 +102,8 @@ def command(
     imu: str | None,
     reference: str | None,
     vehicle: str | None,
+    config_file: str | None,
+    changes: tuple[str, ...],
     skip_s: float,
     start_s: float,
     end_s: float,
@@ -116,9 +125,9 @@ def command(
     """
     check_names(imu, reference)
     check_declination(declination_deg)
-    request = Request(
-        filters_of(filters), imu, reference, declination_deg, window_of(start_s, end_s, skip_s), vehicle_of(vehicle)
-    )
+    chosen, pipeline = configured(filters, config_file, changes)
+    window = window_of(start_s, end_s, skip_s)
+    request = Request(chosen, imu, reference, declination_deg, window, vehicle_of(vehicle), pipeline)
     paths = log_paths(logs)
     outputs = {"--csv": csv_path, "--tlog": tlog_path, "--junit": junit_path, "--results": results_path}
     check_outputs(paths, outputs)
@@ -134,7 +143,7 @@ def command(
             replayed = partial(replay_here, work=Work(request, table, annotated))
         outcomes = replayed(paths)
         if results_path is not None:
-            work = f"{version_text()} {filters} {imu} {reference} {declination_deg} {request.window} {vehicle}"
+            work = f"{version_text()} {chosen} {pipeline} {imu} {reference} {declination_deg} {window} {vehicle}"
             results = Results(results_path, work)
             stack.enter_context(results.open())
             outcomes = resumed(paths, results, replayed)

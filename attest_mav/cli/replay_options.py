@@ -1,12 +1,15 @@
 """The options of ``attest-mav replay``: what they mean, and a sentence for values that make no sense."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from itertools import combinations
 from math import inf
 from pathlib import Path
 from typing import Final
 
 from attest_mav.errors import UsageError
+from attest_mav.estimation.delay import RECORDED_DRIFT
+from attest_mav.estimation.pipeline import PipelineSettings
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.registry import default_filter
 from attest_mav.replay.plan import VehicleChoice
@@ -17,8 +20,8 @@ LARGEST_ID: Final = 255
 """Of a MAVLink system or component."""
 
 
-def filters_of(text: str) -> tuple[AttitudeFilter, ...]:
-    """The filters of a list of names with commas; none for ``AUTO``."""
+def filters_of(text: str, named: Callable[[str], AttitudeFilter]) -> tuple[AttitudeFilter, ...]:
+    """The filters of a list of names with commas; none for ``AUTO``. named: makes the filter of a name."""
     names = [name.strip() for name in text.split(",")]
     if names == [AUTO]:
         return ()
@@ -26,7 +29,22 @@ def filters_of(text: str) -> tuple[AttitudeFilter, ...]:
         raise UsageError(f"--filter {text}: {AUTO} stands alone; expected it, or names of filters")
     if len(set(names)) < len(names):
         raise UsageError(f"--filter {text}: a filter is named twice")
-    return tuple(default_filter(name) for name in names)
+    return tuple(named(name) for name in names)
+
+
+def configured(
+    text: str, config_file: str | None, changes: Sequence[str]
+) -> tuple[tuple[AttitudeFilter, ...], PipelineSettings]:
+    """The filters of a list of names, and the settings beside them, as a configuration has them or by default."""
+    if config_file is None and not changes:
+        return filters_of(text, default_filter), PipelineSettings()
+    # Costs 60 ms, which a replay without a configuration does not need.
+    from attest_mav.cli.config import load  # noqa: PLC0415
+    from attest_mav.service.assembly import pipeline_settings  # noqa: PLC0415
+
+    config = load(config_file, changes)
+    chosen = filters_of(text, config.filter.named) or (config.filter.build(),)
+    return chosen, replace(pipeline_settings(config), drift=RECORDED_DRIFT)
 
 
 def vehicle_of(text: str | None) -> VehicleChoice | None:

@@ -15,22 +15,23 @@ from attest_mav.types import EarthField
 
 @click.command("run")
 @click.option("--config", "config_file", metavar="FILE", help="Configuration (TOML); see `attest-mav config show`.")
+@click.option("--set", "changes", metavar="KEY=VALUE", multiple=True, help="A value, instead of the configuration's.")
 @click.option("--link", "urls", metavar="URL", multiple=True, help="A link, instead of those of the configuration.")
-def command(config_file: str | None, urls: tuple[str, ...]) -> None:
+def command(config_file: str | None, changes: tuple[str, ...], urls: tuple[str, ...]) -> None:
     """Run the daemon: inertial messages in, ATTITUDE_QUATERNION out.
 
     Links: serial:/dev/ttyAMA0:921600, udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT, and sim: for
     the built-in fake autopilot. pymavlink's spellings work too. SIGINT and SIGTERM end the daemon with exit code 0.
     """
-    config = load_config(config_file, urls)
+    config = load_config(config_file, urls, changes)
     log_to_stderr(config.log.level)
     with stop_signals() as stop:
         Daemon(config, find_field).run(stop)
 
 
-def load_config(config_file: str | None, urls: tuple[str, ...]) -> Config:
-    """The configuration file, or the defaults, with the links of the command line."""
-    config = load(config_file)
+def load_config(config_file: str | None, urls: tuple[str, ...], changes: tuple[str, ...] = ()) -> Config:
+    """The configuration file, or the defaults, with the values and links of the command line."""
+    config = load(config_file, changes)
     if urls:
         config = config.with_links(urls)
     if not config.link:

@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
+from attest_mav.errors import UsageError
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.gradient_descent.filter import FixedField, GradientDescent
 from attest_mav.filters.leveling.filter import Leveling
@@ -145,10 +146,16 @@ class FilterConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_o
 
     def build(self) -> AttitudeFilter:
         """The chosen filter."""
+        return self.named(self.chosen)
+
+    def named(self, name: str) -> AttitudeFilter:
+        """The filter of that name with its parameters; UsageError lists the names if there is none."""
         configs: dict[str, GradientDescentConfig | RobustAdaptiveConfig | LevelingConfig | VelocityAidedConfig] = {
             "gradient-descent": self.gradient_descent,
             "robust-adaptive": self.robust_adaptive,
             "leveling": self.leveling,
             "velocity-aided": self.velocity_aided,
         }
-        return configs[self.chosen].build()
+        if name not in configs:
+            raise UsageError(f"unknown filter {name!r}; known filters: {', '.join(configs)}")
+        return configs[name].build()

@@ -6,11 +6,13 @@ the default. configs/attest-mav.toml explains each key at length, and a test kee
 """
 
 import tomllib
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import msgspec
 from msgspec import Meta
 
+from attest_mav.config.changes import apply_changes
 from attest_mav.config.filters import FilterConfig
 from attest_mav.config.link_url import parse_link
 from attest_mav.config.text import check_keys, check_no_nan, readable
@@ -172,10 +174,13 @@ class Config(_Record, frozen=True):
         return msgspec.structs.replace(self, link=tuple(LinkConfig(url=url) for url in urls))
 
 
-def parse_config(text: str, name: str) -> Config:
-    """Check the TOML ``text`` of the file ``name``; ConfigError names the key and the error in one line."""
+def parse_config(text: str, name: str, changes: Sequence[str] = ()) -> Config:
+    """Check the TOML ``text`` of the file ``name``; ConfigError names the key and the error in one line.
+
+    changes: values that replace those of the text, each as ``KEY=VALUE``; UsageError for another form.
+    """
     try:
-        config = _read(text, name)
+        config = _read(text, name, changes)
     except RecursionError:
         raise ConfigError(f"{name}: nested too deeply; expected tables with values in them") from None
     _check_links(config, name)
@@ -185,12 +190,13 @@ def parse_config(text: str, name: str) -> Config:
     return config
 
 
-def _read(text: str, name: str) -> Config:
+def _read(text: str, name: str, changes: Sequence[str]) -> Config:
     """Text to records; ConfigError. RecursionError when it is nested deeper than Python's stack."""
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise ConfigError(f"{name}: not valid TOML: {error}") from None
+    apply_changes(data, changes)
     try:
         check_keys(data, Config, "")
         check_no_nan(data, "")

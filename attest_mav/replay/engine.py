@@ -75,6 +75,7 @@ def replay(source: LogSource, request: Request, outputs: Outputs) -> Replay:
         outputs.attitudes,
         _estimate_writer(source, plan, outputs.annotated),
         vehicle.opening,
+        request.pipeline,
     )
     _fly(source, flight, plan, _part_of(outputs.progress, SUMMARY_SHARE, 1.0))
     if not flight.imu.samples:

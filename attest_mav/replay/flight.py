@@ -9,7 +9,7 @@ from attest_mav.estimation.events import Event, LaneEvent, Verdict
 from attest_mav.estimation.imu_frame import ImuFrame
 from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.estimation.timebase import WRAP_NS
-from attest_mav.estimation.vehicle import AidSettings, Vehicle
+from attest_mav.estimation.vehicle import Vehicle
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.logs.source import EstimateWriter, Plan
@@ -34,10 +34,16 @@ class FilterRun:
     """One filter over the flight."""
 
     def __init__(
-        self, one: AttitudeFilter, plan: Plan, field: EarthField, comparison: Comparison, verdicts: VerdictLog
+        self,
+        one: AttitudeFilter,
+        settings: PipelineSettings,
+        plan: Plan,
+        field: EarthField,
+        comparison: Comparison,
+        verdicts: VerdictLog,
     ) -> None:
         self.one: Final = one
-        self.settings: Final = PipelineSettings()
+        self.settings: Final = settings
         self.comparison: Final = comparison
         self.verdicts: Final = verdicts
         self.faults: Final = LaneFaults()
@@ -62,12 +68,15 @@ class Flight:
         sink: ComparisonSink | None = None,
         writer: EstimateWriter | None = None,
         opening: Sequence[Sample] = (),
+        settings: PipelineSettings | None = None,
     ) -> None:
+        settings = PipelineSettings() if settings is None else settings
         reference = ReferenceTrack()
-        self._vehicle: Final = Vehicle(AidSettings())
+        self._vehicle: Final = Vehicle(settings.aids)
         report = self._vehicle.self_report
         self.runs: Final = [
-            FilterRun(one, plan, field, Comparison(one.name, reference, sink), VerdictLog(report)) for one in filters
+            FilterRun(one, settings, plan, field, Comparison(one.name, reference, sink), VerdictLog(report))
+            for one in filters
         ]
         self.autopilot: Final = Comparison(AUTOPILOT, reference, sink) if plan.autopilot is not None else None
         """The comparison of the autopilot's own attitude."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, fields, is_dataclass
 from math import inf
 from typing import Any, Final
 
+from attest_mav.estimation.pipeline import PipelineSettings
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.logs.source import ByteSink, Progress
 from attest_mav.replay.comparison import ComparisonSink
@@ -58,6 +59,8 @@ class Request:
     window: Window = field(default_factory=Window)
     vehicle: VehicleChoice | None = None
     """The vehicle to read; None for the one with most inertial messages."""
+    pipeline: PipelineSettings = field(default_factory=PipelineSettings)
+    """Thresholds of the verdict, and what aids the filters."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         """The call that makes the request again, for pickle."""
@@ -69,6 +72,7 @@ class Request:
             self.declination_deg,
             _as_call(self.window),
             self.vehicle,
+            _as_call(self.pipeline),
         )
 
 

@@ -75,3 +75,23 @@ def test_junit_is_written_also_if_no_log_can_be_read(tmp_path):
     assert done.exit_code == 65
     (suite,) = ET.parse(target).getroot()  # noqa: S314  # as above
     assert suite.get("errors") == "1"
+
+
+def test_a_configuration_and_single_values_decide_on_filters_and_thresholds(tmp_path):
+    file = tmp_path / "a.toml"
+    file.write_text("[verdict]\ntilt_deg = 7.0\n[filter]\nname = 'gradient-descent'\n")
+    report = json.loads(replay("--json", "--config", str(file)).stdout)
+    assert [one["name"] for one in report["filters"]] == ["gradient-descent"]
+    assert report["verdict"]["thresholds"]["tilt_deg"] == 7.0
+    named = ("--filter", "velocity-aided", "--set", "verdict.tilt_deg=4")
+    report = json.loads(replay("--json", "--config", str(file), *named).stdout)
+    assert [one["name"] for one in report["filters"]] == ["velocity-aided"]
+    assert report["verdict"]["thresholds"]["tilt_deg"] == 4.0
+
+
+def test_a_parameter_changes_the_figures_of_its_filter():
+    def rms(*changes):
+        report = json.loads(replay("--json", "--filter", "gradient-descent", *changes).stdout)
+        return report["filters"][0]["tilt_deg"]["rms"]
+
+    assert rms("--set", "filter.gradient-descent.beta=0.5") != rms()
