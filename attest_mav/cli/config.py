@@ -5,7 +5,7 @@ import click
 from attest_mav.config.records import Config, parse_config
 from attest_mav.config.text import to_toml
 from attest_mav.runtime.files import read_config
-from attest_mav.service.assembly import check_simulations
+from attest_mav.service.assembly import check_simulations, check_unsigned_messages
 
 
 @click.group("config")
@@ -35,4 +35,5 @@ def load(file: str | None) -> Config:
         return Config()
     config = parse_config(read_config(file), file)
     check_simulations(config, file)
+    check_unsigned_messages(config, file)
     return config

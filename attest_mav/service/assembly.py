@@ -4,6 +4,8 @@ The configuration holds what a user may write, in a user's units; here its degre
 the records of the packages that act on them.
 """
 
+from collections.abc import Mapping
+from difflib import get_close_matches
 from math import nan, radians
 from typing import Final
 
@@ -20,18 +22,20 @@ from attest_mav.mavlink.component.companion_settings import CompanionSettings
 from attest_mav.mavlink.component.ports import PortSettings
 from attest_mav.mavlink.component.vehicle_data import POSITION_MESSAGES, DataSettings
 from attest_mav.mavlink.decode.units import RawScales
+from attest_mav.mavlink.dialect import load_dialect
+from attest_mav.mavlink.signing.settings import SigningSettings
 from attest_mav.service.settings import ServiceSettings
 
 SERIAL_BITS: Final = 10
 """Bits on a serial line for each byte: one to start, eight of data, one to stop."""
 
 
-def service_settings(config: Config) -> ServiceSettings:
-    """The settings of all parts of the service."""
+def service_settings(config: Config, keys: Mapping[str, bytes] | None = None) -> ServiceSettings:
+    """The settings of all parts of the service. keys: the contents of the ``key_file`` of each link that signs."""
     declination_deg = config.estimate.declination_deg
     return ServiceSettings(
         companion=companion_settings(config),
-        ports=tuple(port_settings(link) for link in config.link),
+        ports=tuple(port_settings(link, keys or {}) for link in config.link),
         raw_scales=raw_scales(config.raw_imu),
         pipeline=pipeline_settings(config),
         attitude_filter=config.filter.build(),
@@ -64,9 +68,12 @@ def companion_settings(config: Config) -> CompanionSettings:
     )
 
 
-def port_settings(link: LinkConfig) -> PortSettings:
-    """The outputs of one link."""
-    return PortSettings(link.publish, link.yield_to_onboard)
+def port_settings(link: LinkConfig, keys: Mapping[str, bytes]) -> PortSettings:
+    """The outputs and the signatures of one link."""
+    signing = None
+    if link.signing != "off":
+        signing = SigningSettings(keys[link.key_file], link.signing == "require", link.accept_unsigned)
+    return PortSettings(link.publish, link.yield_to_onboard, signing=signing)
 
 
 def raw_scales(raw_imu: RawImuConfig) -> RawScales | None:
@@ -91,6 +98,19 @@ def check_simulations(config: Config, name: str) -> None:
                 parse_faults(url.faults)
             except UsageError as error:
                 raise ConfigError(f"{name}: link[{index}].url: {error}") from None
+
+
+def check_unsigned_messages(config: Config, name: str) -> None:
+    """ConfigError if ``accept_unsigned`` of the file ``name`` lists a message that the dialect does not have."""
+    if not any(link.accept_unsigned for link in config.link):
+        return
+    known = load_dialect().by_name
+    for index, link in enumerate(config.link):
+        for message in link.accept_unsigned:
+            if message not in known:
+                near = get_close_matches(message, known, n=1)
+                hint = f"did you mean {near[0]}?" if near else "expected a name such as RADIO_STATUS"
+                raise ConfigError(f"{name}: link[{index}].accept_unsigned: no message {message:.60}; {hint}")
 
 
 def _verdict_settings(verdict: VerdictConfig) -> VerdictSettings:

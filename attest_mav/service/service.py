@@ -18,9 +18,11 @@ from attest_mav.mavlink.constants import MAV_STATE_ACTIVE, MAV_STATE_BOOT, MAV_S
 from attest_mav.mavlink.decode.autopilot_parameters import facts_of_firmware
 from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.dialect import Dialect
+from attest_mav.mavlink.signing.links import LinkSigning
 from attest_mav.samples import ImuSample, PositionSample, Sample
 from attest_mav.service.announcements import Announcements
 from attest_mav.service.field_lookup import FieldFinder, FieldLookup
+from attest_mav.service.kept_state import KeptState
 from attest_mav.service.link_input import LinkInput
 from attest_mav.service.observation import (
     clock_snapshot,
@@ -32,6 +34,7 @@ from attest_mav.service.observation import (
 )
 from attest_mav.service.publisher import Publisher
 from attest_mav.service.settings import ServiceSettings
+from attest_mav.service.signing_status import signing_snapshot
 from attest_mav.service.snapshot import NO_TRAFFIC, NoteCounts, Snapshot, Traffic
 from attest_mav.service.source_notes import SourceNotes
 from attest_mav.service.verdict_teller import VerdictTeller
@@ -56,7 +59,16 @@ class Service:
         ports = list(zip(links, settings.ports, strict=True))
         self._companion: Final = Companion(dialect, settings.companion, ports, now_ns)
         self._notebook: Final = self._companion.notebook
-        self._inputs: Final = [LinkInput(dialect, self._companion.wanted) for _ in links]
+        self._signing: Final = LinkSigning(
+            dialect, settings.companion.component, [(name, port.signing) for name, port in ports], self._notebook
+        )
+        for port, signer in zip(self._companion.ports, self._signing.signers, strict=True):
+            if signer is not None:
+                port.sign_with(signer.sign)
+        self._inputs: Final = [
+            LinkInput(dialect, self._companion.wanted, None if verifier is None else verifier.accepts)
+            for verifier in self._signing.verifiers
+        ]
         self._decoder = Decoder(dialect, settings.raw_scales)
         self._vehicle = Vehicle(settings.pipeline.aids)
         self._vehicle.field = EarthField(settings.declination)
@@ -83,10 +95,15 @@ class Service:
         return estimate is not None and now_ns - estimate.rx_ns < self._stale_ns
 
     def receive(self, link: int, data: bytes, now_ns: int, stream: int = 0) -> bool:
-        """Take bytes that arrived on a link, in one of its streams; whether they completed an intact frame."""
-        companion, source = self._companion, self._inputs[link]
+        """Take bytes that arrived on a link, in one of its streams; whether they completed an intact frame.
+
+        On a link that requires signatures only a frame with a correct one counts as intact.
+        """
+        companion, source, verifier = self._companion, self._inputs[link], self._signing.verifiers[link]
+        self._signing.clock.advance(now_ns)
         before = source.frames
-        for frame in source.feed(data, now_ns, stream):
+        frames = source.feed(data, now_ns, stream)
+        for frame in frames:
             is_data = companion.handle(link, frame, now_ns)
             if companion.sender != self._sender:
                 self._begin_anew()
@@ -97,7 +114,7 @@ class Service:
                 for exchange in companion.timesync.take():
                     self._vehicle.clock.take(exchange)
                 self.due_ns = now_ns  # a heartbeat, an answer, a command: something may follow from it
-        return source.frames > before
+        return bool(frames) if verifier is not None and verifier.requires else source.frames > before
 
     def link_restarted(self, link: int) -> None:
         """A link was opened again: a frame that was received in part is dropped."""
@@ -107,6 +124,7 @@ class Service:
 
     def poll(self, now_ns: int) -> None:
         """Do everything that is due."""
+        self._signing.clock.advance(now_ns)
         if self._pipeline is not None:
             self._act(self._pipeline.poll(now_ns), now_ns)
         if now_ns >= self._next_refusals_ns:
@@ -121,6 +139,19 @@ class Service:
         pipeline_ns = None if self._pipeline is None else self._pipeline.next_deadline_ns
         if pipeline_ns is not None:
             self.due_ns = min(self.due_ns, pipeline_ns)
+
+    def restore(self, state: KeptState, unix_ns: int, now_ns: int) -> None:
+        """Go on from the state kept before a restart. unix_ns: the time of day."""
+        self._signing.clock.begin(state.signing_timestamp, unix_ns, now_ns)
+
+    def set_time(self, unix_ns: int, now_ns: int) -> None:
+        """It is this time of day: signatures follow it."""
+        self._signing.clock.set_time(unix_ns, now_ns)
+
+    @property
+    def kept_state(self) -> KeptState:
+        """What must survive a restart."""
+        return KeptState(self._signing.clock.timestamp)
 
     def take_frames(self, link: int) -> list[bytes]:
         """The frames to be written to a link; each is handed out once."""
@@ -138,14 +169,16 @@ class Service:
     def snapshot(self, now_ns: int, traffic: Sequence[Traffic] = ()) -> Snapshot:
         """Everything that may be seen of the service. ``traffic``: the host's counters, one record a link."""
         companion, decoder = self._companion, self._decoder
-        parts = zip(self._inputs, companion.ports, traffic or [NO_TRAFFIC] * len(self._inputs), strict=True)
+        counters = traffic or [NO_TRAFFIC] * len(self._inputs)
+        signing = [signing_snapshot(verifier, now_ns) for verifier in self._signing.verifiers]
+        parts = zip(self._inputs, companion.ports, signing, counters, strict=True)
         inertial = companion.data.imu
         return Snapshot(
             now_ns=now_ns,
             state=companion.state,
             vehicle=vehicle_snapshot(companion.discovery, self._vehicle),
             ambiguity=companion.discovery.ambiguity,
-            links=tuple(link_snapshot(framer, port, counters) for framer, port, counters in parts),
+            links=tuple(link_snapshot(*part) for part in parts),
             streams=stream_snapshots(companion.data.stream_manager, now_ns),
             inertial="" if inertial is None else inertial.name,
             single_imu=companion.data.single_imu,

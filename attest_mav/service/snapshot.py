@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from attest_mav.estimate import Estimate
 from attest_mav.estimation.events import Verdict
+from attest_mav.service.signing_status import SigningSnapshot
 from attest_mav.types import EarthField, VehicleKind, Version
 from attest_mav.vehicle_settings import VehicleSettings
 
@@ -54,6 +55,8 @@ class LinkSnapshot:
     """Component id of that onboard computer, 0 for none."""
     changes: tuple[str, ...]
     """What other stations have changed in our outputs: message, rate and station."""
+    signing: SigningSnapshot | None
+    """Its signatures, None where nothing is signed."""
     traffic: Traffic
     """Transport counters."""
 

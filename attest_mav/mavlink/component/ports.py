@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Final
 
-from attest_mav.mavlink.component.encoder import Encoder
+from attest_mav.mavlink.component.encoder import Encoder, Signer
 from attest_mav.mavlink.component.line_limit import LineLimit
 from attest_mav.mavlink.component.notes import Notebook
 from attest_mav.mavlink.component.onboard import SUBSTITUTE_NS, OnboardWatch
@@ -13,6 +13,7 @@ from attest_mav.mavlink.component.stream import StreamRequest
 from attest_mav.mavlink.component.timesync import AnswerLimit, TimeQuestion
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_INVALID, MAV_TYPE_ONBOARD_CONTROLLER
 from attest_mav.mavlink.dialect import Dialect
+from attest_mav.mavlink.signing.settings import SigningSettings
 from attest_mav.mavlink.wire.frame import Frame
 
 LAST_TEXT_ID: Final = 0xFFFF
@@ -32,6 +33,8 @@ class PortSettings:
     heard on the link."""
     outputs: tuple[Output, ...] = OUTPUTS
     """All outputs that can be published or requested."""
+    signing: SigningSettings | None = None
+    """The signatures of the link, None where nothing is signed."""
 
 
 class Channel:
@@ -116,6 +119,10 @@ class Port:
         """Speak under another system id from now on."""
         if system != self.encoder.system:
             self.encoder = Encoder(self._dialect, system, self.encoder.component, self.encoder.signer)
+
+    def sign_with(self, signer: Signer) -> None:
+        """Sign every frame from now on."""
+        self.encoder = Encoder(self._dialect, self.encoder.system, self.encoder.component, signer)
 
     def heartbeat(self, state: int) -> None:
         """HEARTBEAT with this MAV_STATE."""

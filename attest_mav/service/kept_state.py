@@ -1,0 +1,25 @@
+"""What must survive a restart of the daemon, as a record and as the text of a file: the host reads and writes it."""
+
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta
+
+from attest_mav.mavlink.signing.signature import LATEST
+
+
+class KeptState(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The time of our signatures."""
+
+    signing_timestamp: Annotated[int, Meta(ge=0, le=LATEST)] = 0
+    """No signature of ours was later when this was kept; ticks of 10 us since 2015."""
+
+
+def parse_state(text: bytes) -> KeptState:
+    """The state in a file; ValueError says what is wrong."""
+    return msgspec.json.decode(text, type=KeptState)
+
+
+def state_text(state: KeptState) -> bytes:
+    """The state as the text of a file."""
+    return msgspec.json.format(msgspec.json.encode(state)) + b"\n"
