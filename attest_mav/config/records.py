@@ -73,6 +73,8 @@ class LinkConfig(_Record, frozen=True):
     """The outputs on this link."""
     yield_to_onboard: bool = True
     """Hold ATTITUDE_QUATERNION back while another onboard computer of the vehicle is heard on the link."""
+    parameters: bool = False
+    """Let ground stations read and set our parameters."""
     signing: Literal["off", "sign", "require"] = "off"
     """Sign what is sent and verify what is signed; "require" drops unsigned frames too."""
     key_file: str = ""
@@ -184,7 +186,7 @@ class Config(_Record, frozen=True):
     @property
     def keeps_state(self) -> bool:
         """Whether anything must survive a restart."""
-        return any(link.signing != "off" for link in self.link)
+        return any(link.signing != "off" or link.parameters for link in self.link)
 
     def with_links(self, urls: tuple[str, ...]) -> Self:
         """The same with other links, each with the default outputs, for ``--link``."""

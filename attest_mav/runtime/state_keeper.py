@@ -1,4 +1,4 @@
-"""Keeps on disk what must survive a restart: the time of our signatures."""
+"""Keeps on disk what must survive a restart: the time of our signatures, and parameters that stations have set."""
 
 import logging
 import os
@@ -18,6 +18,8 @@ log = logging.getLogger("attest_mav.daemon")
 FILE_NAME: Final = "state.json"
 PERIOD_NS: Final = 30_000_000_000
 """The time of the signatures is kept this often: a start counts on less than a minute."""
+LOOK_NS: Final = 5_000_000_000
+"""Parameters are looked at this often, and written where one was set."""
 
 
 def state_path(folder: str, environment: Mapping[str, str]) -> Path:
@@ -37,9 +39,11 @@ class StateKeeper(Handler):
     def __init__(self, service: Service, path: Path, now_ns: int) -> None:
         self._service: Final = service
         self._path: Final = path
-        self._due_ns = now_ns + PERIOD_NS
+        self._due_ns = now_ns + LOOK_NS
+        self._time_due_ns = now_ns + PERIOD_NS
         self._is_failing = False
-        service.restore(_read(path), time.time_ns(), now_ns)
+        self._written = _read(path)
+        service.restore(self._written, time.time_ns(), now_ns)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._write()
@@ -54,10 +58,12 @@ class StateKeeper(Handler):
         return self._due_ns
 
     def due(self, now_ns: int) -> None:
-        """Tell the service the time of day, which may have been set, and write."""
-        self._due_ns = now_ns + PERIOD_NS
+        """Tell the service the time of day, which may have been set, and write what is due."""
+        self._due_ns = now_ns + LOOK_NS
         self._service.set_time(time.time_ns(), now_ns)
-        self.write()
+        if now_ns >= self._time_due_ns or self._service.kept_state.parameters != self._written.parameters:
+            self._time_due_ns = now_ns + PERIOD_NS
+            self.write()
 
     def write(self) -> None:
         """Write the state; a failure is told once, and so is its end."""
@@ -65,7 +71,7 @@ class StateKeeper(Handler):
             self._write()
         except UnwritableError as error:
             if not self._is_failing:
-                log.warning("%s; after a restart signatures may be refused for a minute", error)
+                log.warning("%s; a restart would lose parameters that were set, and the time of signatures", error)
             self._is_failing = True
             return
         if self._is_failing:
@@ -73,10 +79,12 @@ class StateKeeper(Handler):
         self._is_failing = False
 
     def _write(self) -> None:
+        state = self._service.kept_state
         with atomic_write(self._path) as file:
-            file.write(state_text(self._service.kept_state))
+            file.write(state_text(state))
             file.flush()
             os.fsync(file.fileno())
+        self._written = state
 
 
 def _read(path: Path) -> KeptState:

@@ -5,6 +5,7 @@ the records of the packages that act on them.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from difflib import get_close_matches
 from math import nan, radians
 from typing import Final
@@ -19,6 +20,7 @@ from attest_mav.estimation.verdict import VerdictSettings
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.mavlink.component.companion_settings import CompanionSettings
+from attest_mav.mavlink.component.own_parameters import HOLD, MAX_SIGMA, RATE, TILT_LIMIT, OwnParameters
 from attest_mav.mavlink.component.ports import PortSettings
 from attest_mav.mavlink.component.vehicle_data import POSITION_MESSAGES, DataSettings
 from attest_mav.mavlink.decode.units import RawScales
@@ -65,6 +67,7 @@ def companion_settings(config: Config) -> CompanionSettings:
         output.rate_hz,
         data,
         config.estimate.timesync,
+        _own_parameters(config),
     )
 
 
@@ -73,7 +76,21 @@ def port_settings(link: LinkConfig, keys: Mapping[str, bytes]) -> PortSettings:
     signing = None
     if link.signing != "off":
         signing = SigningSettings(keys[link.key_file], link.signing == "require", link.accept_unsigned)
-    return PortSettings(link.publish, link.yield_to_onboard, signing=signing)
+    return PortSettings(link.publish, link.yield_to_onboard, parameters=link.parameters, signing=signing)
+
+
+def retuned(settings: PipelineSettings, parameters: OwnParameters) -> PipelineSettings:
+    """The settings of the pipeline with the values of our parameters that are in force."""
+    tilt_deg = parameters.value(TILT_LIMIT.name)
+    verdict = VerdictConfig(tilt_deg=tilt_deg or "auto", hold_s=parameters.value(HOLD.name))
+    thresholds = _verdict_settings(verdict)
+    return replace(
+        settings,
+        max_sigma=radians(parameters.value(MAX_SIGMA.name)),
+        verdict=replace(
+            settings.verdict, tilt=thresholds.tilt, proven_tilt=thresholds.proven_tilt, hold_s=thresholds.hold_s
+        ),
+    )
 
 
 def raw_scales(raw_imu: RawImuConfig) -> RawScales | None:
@@ -125,6 +142,17 @@ def _verdict_settings(verdict: VerdictConfig) -> VerdictSettings:
         max_sigma=radians(verdict.max_sigma_deg),
         stale_s=verdict.stale_s,
     )
+
+
+def _own_parameters(config: Config) -> dict[str, float]:
+    """The configured values of our parameters."""
+    tilt_deg = config.verdict.tilt_deg
+    return {
+        RATE.name: config.output.rate_hz,
+        MAX_SIGMA.name: config.output.max_sigma_deg,
+        TILT_LIMIT.name: 0.0 if tilt_deg == "auto" else tilt_deg,
+        HOLD.name: config.verdict.hold_s,
+    }
 
 
 def _aid_settings(aiding: AidingConfig) -> AidSettings:

@@ -5,14 +5,17 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
+from attest_mav.mavlink.component.own_parameters import ParameterChange
 from attest_mav.mavlink.signing.signature import LATEST
 
 
 class KeptState(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """The time of our signatures."""
+    """The time of our signatures, and the parameters that somebody has set."""
 
     signing_timestamp: Annotated[int, Meta(ge=0, le=LATEST)] = 0
     """No signature of ours was later when this was kept; ticks of 10 us since 2015."""
+    parameters: dict[str, ParameterChange] = {}
+    """Values in place of the configured ones, by name."""
 
 
 def parse_state(text: bytes) -> KeptState:

@@ -6,6 +6,7 @@ vehicle and a counter. Everything that anyone may see of the service is in ``sna
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
 from attest_mav.estimate import Estimate
@@ -14,6 +15,7 @@ from attest_mav.estimation.pipeline import Pipeline
 from attest_mav.estimation.vehicle import Vehicle
 from attest_mav.mavlink.component.companion import Companion
 from attest_mav.mavlink.component.notes import Note
+from attest_mav.mavlink.component.own_parameters import RATE
 from attest_mav.mavlink.constants import MAV_STATE_ACTIVE, MAV_STATE_BOOT, MAV_STATE_CALIBRATING, MAV_STATE_CRITICAL
 from attest_mav.mavlink.decode.autopilot_parameters import facts_of_firmware
 from attest_mav.mavlink.decode.decoder import Decoder
@@ -21,6 +23,7 @@ from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.signing.links import LinkSigning
 from attest_mav.samples import ImuSample, PositionSample, Sample
 from attest_mav.service.announcements import Announcements
+from attest_mav.service.assembly import retuned
 from attest_mav.service.field_lookup import FieldFinder, FieldLookup
 from attest_mav.service.kept_state import KeptState
 from attest_mav.service.link_input import LinkInput
@@ -54,7 +57,7 @@ class Service:
         """``links``: the names of the links, one for each of ``settings.ports``."""
         self.due_ns = now_ns
         """When ``poll`` is due; a time in the past is at once."""
-        self._settings: Final = settings
+        self._settings = settings
         self._dialect: Final = dialect
         ports = list(zip(links, settings.ports, strict=True))
         self._companion: Final = Companion(dialect, settings.companion, ports, now_ns)
@@ -111,6 +114,7 @@ class Service:
                 for sample in self._decoder.decode(frame):
                     self._take(sample, now_ns)
             else:
+                self._retune()
                 for exchange in companion.timesync.take():
                     self._vehicle.clock.take(exchange)
                 self.due_ns = now_ns  # a heartbeat, an answer, a command: something may follow from it
@@ -143,6 +147,8 @@ class Service:
     def restore(self, state: KeptState, unix_ns: int, now_ns: int) -> None:
         """Go on from the state kept before a restart. unix_ns: the time of day."""
         self._signing.clock.begin(state.signing_timestamp, unix_ns, now_ns)
+        self._companion.own_parameters.restore(state.parameters)
+        self._retune()
 
     def set_time(self, unix_ns: int, now_ns: int) -> None:
         """It is this time of day: signatures follow it."""
@@ -151,7 +157,7 @@ class Service:
     @property
     def kept_state(self) -> KeptState:
         """What must survive a restart."""
-        return KeptState(self._signing.clock.timestamp)
+        return KeptState(self._signing.clock.timestamp, dict(self._companion.own_parameters.changes))
 
     def take_frames(self, link: int) -> list[bytes]:
         """The frames to be written to a link; each is handed out once."""
@@ -193,6 +199,7 @@ class Service:
             self_report=self._vehicle.self_report.remarks(now_ns),
             frame_notes=tuple(self._frame_notes),
             link_remarks=tuple(companion.remarks(now_ns)),
+            own_parameters=tuple(companion.own_parameters.changes.items()),
             notes=NoteCounts(self._notebook.warnings, self._notebook.errors, self._notebook.dropped),
         )
 
@@ -231,6 +238,19 @@ class Service:
         self._publisher = self._new_publisher()
         self._verdicts.end()
         self._verdicts = self._new_teller()
+
+    def _retune(self) -> None:
+        """Put our own parameters in force, where they have changed."""
+        parameters = self._companion.own_parameters
+        if not parameters.take_change():
+            return
+        settings = retuned(self._settings.pipeline, parameters)
+        self._settings = replace(self._settings, pipeline=settings)
+        self._publisher.limit(settings.max_sigma)
+        if self._pipeline is not None:
+            self._pipeline.use(settings)
+        for port in self._companion.ports:
+            port.set_rate(parameters.value(RATE.name))
 
     def _is_served(self, source: str) -> bool:
         """Whether the pipeline has a lane for this message, or an estimate of another sensor."""

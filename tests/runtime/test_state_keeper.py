@@ -33,8 +33,9 @@ def test_the_time_of_signatures_is_written_at_once_and_again_within_a_minute(tmp
     keeper = StateKeeper(service, path, 0)
     first = kept(path)
     assert first > 3 * 10**13, "after 2024"
-    assert keeper.next_deadline_ns < 60_000_000_000
-    keeper.due(keeper.next_deadline_ns)
+    for _ in range(10):
+        keeper.due(keeper.next_deadline_ns)
+    assert keeper.next_deadline_ns <= 60_000_000_000
     assert kept(path) - first >= 29 * 100_000
     assert [one.name for one in path.parent.iterdir()] == ["state.json"]
 

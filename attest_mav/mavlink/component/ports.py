@@ -33,6 +33,8 @@ class PortSettings:
     heard on the link."""
     outputs: tuple[Output, ...] = OUTPUTS
     """All outputs that can be published or requested."""
+    parameters: bool = False
+    """Whether our parameters can be read and set here."""
     signing: SigningSettings | None = None
     """The signatures of the link, None where nothing is signed."""
 
@@ -42,8 +44,13 @@ class Channel:
 
     def __init__(self, output: Output, schedule: Schedule, substitute: Schedule | None) -> None:
         self.output: Final = output
-        self.schedule: Final = schedule
-        self._substitute: Final = substitute
+        self.schedule = schedule
+        self._substitute = substitute
+
+    def retime(self, schedule: Schedule, substitute: Schedule | None) -> None:
+        """Send at another rate of our own from now on; an interval that a station has set stays."""
+        schedule.interval = self.schedule.interval
+        self.schedule, self._substitute = schedule, substitute
 
     def due(self, t_ns: int, holds_back: bool) -> bool:
         """Whether the sample at ``t_ns`` is to be sent. holds_back: outputs that mislead are held back."""
@@ -186,6 +193,12 @@ class Port:
             for channel in self._channels.values()
             if channel.schedule.interval is not None
         ]
+
+    def set_rate(self, hz: float) -> None:
+        """Send the attitude at this rate from now on, Hz."""
+        for channel in self._channels.values():
+            output = channel.output
+            channel.retime(_schedule(output, self.settings, hz), _substitute(output, self.settings, hz))
 
     def publish(self, publication: Publication) -> None:
         """Send the estimate in the forms and at the rates of this link."""
