@@ -25,7 +25,7 @@ from attest_mav.samples import ImuSample, PositionSample, Sample
 from attest_mav.service.announcements import Announcements
 from attest_mav.service.assembly import retuned
 from attest_mav.service.field_lookup import FieldFinder, FieldLookup
-from attest_mav.service.kept_state import KeptState
+from attest_mav.service.kept_state import KeptState, kept, restore_parameters
 from attest_mav.service.link_input import LinkInput
 from attest_mav.service.observation import (
     clock_snapshot,
@@ -147,7 +147,7 @@ class Service:
     def restore(self, state: KeptState, unix_ns: int, now_ns: int) -> None:
         """Go on from the state kept before a restart. unix_ns: the time of day."""
         self._signing.clock.begin(state.signing_timestamp, unix_ns, now_ns)
-        self._companion.own_parameters.restore(state.parameters)
+        restore_parameters(state, self._companion.own_parameters)
         self._retune()
 
     def set_time(self, unix_ns: int, now_ns: int) -> None:
@@ -157,7 +157,7 @@ class Service:
     @property
     def kept_state(self) -> KeptState:
         """What must survive a restart."""
-        return KeptState(self._signing.clock.timestamp, dict(self._companion.own_parameters.changes))
+        return kept(self._signing.clock.timestamp, self._companion.own_parameters)
 
     def take_frames(self, link: int) -> list[bytes]:
         """The frames to be written to a link; each is handed out once."""

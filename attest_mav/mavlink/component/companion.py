@@ -279,6 +279,7 @@ class Companion:
         if sender != self.sender:
             self._forget()
             self.sender = sender
+            self._outgoing.autopilot = vehicle.autopilot
         self._system = self._settings.system or vehicle.system
         for port in self.ports:
             port.rename(self._system)

@@ -84,13 +84,13 @@ class Port:
                 output, _schedule(output, settings, hz), _substitute(output, settings, hz)
             )
             for output in settings.outputs
-            if not output.with_heartbeat
+            if not output.with_heartbeat and (output.name in settings.publish or not output.only_configured)
         }
         published = [output for output in settings.outputs if output.name in settings.publish]
         self._beside_heartbeat: Final = [output for output in published if output.with_heartbeat]
         misleading = [output for output in published if output.misleads]
         self._misleading: Final = ", ".join([output.message for output in misleading])
-        self._misled: Final = ", ".join([output.misleads for output in misleading])
+        self._misled: Final = ", ".join(dict.fromkeys([output.misleads for output in misleading]))
         self._sends_texts: Final = TEXTS in settings.publish
         self._text_id = 0
         self._dialect: Final = dialect
@@ -243,7 +243,9 @@ class Port:
         if publication.confidence < output.least:
             return False
         if is_sound(publication.estimate):
-            self._out += output.frames(self.encoder, publication)
+            frames = output.frames(self.encoder, publication)
+            self._out += frames
+            return bool(frames)
         return True
 
     def _note(self, kind: str, text: str, now_ns: int) -> None:
@@ -260,5 +262,6 @@ def _schedule(output: Output, settings: PortSettings, hz: float) -> Schedule:
 
 def _substitute(output: Output, settings: PortSettings, hz: float) -> Schedule | None:
     """The schedule of the output that goes out in the place of one that is published and held back."""
-    misleads = any(one.misleads and one.name in settings.publish for one in settings.outputs)
+    replaced = [one for one in settings.outputs if one.misleads and not one.only_configured]
+    misleads = any(one.name in settings.publish for one in replaced)
     return Schedule(max(int(1e9 / hz), SUBSTITUTE_NS)) if misleads and output.message == SUBSTITUTE else None
