@@ -145,7 +145,9 @@ def _verdict_settings(verdict: VerdictConfig) -> VerdictSettings:
 
 
 def _own_parameters(config: Config) -> dict[str, float]:
-    """The configured values of our parameters."""
+    """The configured values of our parameters; none where no link allows them, so that kept values do not count."""
+    if not any(link.parameters for link in config.link):
+        return {}
     tilt_deg = config.verdict.tilt_deg
     return {
         RATE.name: config.output.rate_hz,

@@ -80,3 +80,10 @@ def test_on_a_link_that_signs_only_signed_commands_set_anything(flight):
     signer = station(KEY)
     signer.signing.timestamp = 1000 * 100_000
     assert set_to(f, b"ATT_RATE", 4.0, signer) == [20.0, 4.0]
+
+
+def test_kept_values_do_not_count_where_no_link_has_parameters(flight):
+    f = flight()
+    f.service.restore(parse_state(b'{"parameters": {"ATT_RATE": {"value": 1, "by": "x"}}}'), 0, 0)
+    assert f.service.kept_state.parameters == {}
+    assert f.snapshot().own_parameters == ()

@@ -182,7 +182,7 @@ def test_names_fit_and_ranges_are_those_of_the_configuration():
         assert len(one.name) <= 16
         table, key = keys[one.name]
         for value in (one.low or 0.1, one.high):
-            config = parse_config(f"[{table}]\n{key} = {value}", "x")
+            config = parse_config(f"[{table}]\n{key} = {value}\n[[link]]\nurl = 'sim:'\nparameters = true", "x")
             assert service_settings(config).companion.parameters[one.name] == value
         with pytest.raises(ConfigError, match=key):
             parse_config(f"[{table}]\n{key} = {one.high * 1.01}", "x")
