@@ -59,7 +59,7 @@ class Daemon:
         """What keeps the state on disk, where something must be kept."""
         if not config.keeps_state:
             return None
-        keeper = StateKeeper(self.service, state_path(config.state.folder, os.environ), now_ns)
+        keeper = StateKeeper(self.service.persistence, state_path(config.state.folder, os.environ), now_ns)
         self.loop.add(keeper)
         return keeper
 

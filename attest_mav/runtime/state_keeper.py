@@ -10,8 +10,7 @@ from typing import Final
 from attest_mav.errors import ConfigError, UnwritableError
 from attest_mav.runtime.files import atomic_write, reason_of
 from attest_mav.runtime.loop import Handler
-from attest_mav.service.kept_state import KeptState, parse_state, state_text
-from attest_mav.service.service import Service
+from attest_mav.service.kept_state import KeptState, Persistence, parse_state, state_text
 
 log = logging.getLogger("attest_mav.daemon")
 
@@ -36,14 +35,14 @@ def state_path(folder: str, environment: Mapping[str, str]) -> Path:
 class StateKeeper(Handler):
     """Restores the state of a service, and writes it from time to time. ConfigError where it cannot be written."""
 
-    def __init__(self, service: Service, path: Path, now_ns: int) -> None:
-        self._service: Final = service
+    def __init__(self, persistence: Persistence, path: Path, now_ns: int) -> None:
+        self._persistence: Final = persistence
         self._path: Final = path
         self._due_ns = now_ns + LOOK_NS
         self._time_due_ns = now_ns + PERIOD_NS
         self._is_failing = False
         self._written = _read(path)
-        service.restore(self._written, time.time_ns(), now_ns)
+        persistence.restore(self._written, time.time_ns(), now_ns)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._write()
@@ -60,8 +59,8 @@ class StateKeeper(Handler):
     def due(self, now_ns: int) -> None:
         """Tell the service the time of day, which may have been set, and write what is due."""
         self._due_ns = now_ns + LOOK_NS
-        self._service.set_time(time.time_ns(), now_ns)
-        if now_ns >= self._time_due_ns or self._service.kept_state.parameters != self._written.parameters:
+        self._persistence.set_time(time.time_ns(), now_ns)
+        if now_ns >= self._time_due_ns or self._persistence.state.parameters != self._written.parameters:
             self._time_due_ns = now_ns + PERIOD_NS
             self.write()
 
@@ -79,7 +78,7 @@ class StateKeeper(Handler):
         self._is_failing = False
 
     def _write(self) -> None:
-        state = self._service.kept_state
+        state = self._persistence.state
         with atomic_write(self._path) as file:
             file.write(state_text(state))
             file.flush()

@@ -19,9 +19,9 @@ from attest_mav.estimation.vehicle import AidSettings
 from attest_mav.estimation.verdict import VerdictSettings
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.velocity_aided.filter import VelocityAided
+from attest_mav.mavlink.component.channel import PortSettings
 from attest_mav.mavlink.component.companion_settings import CompanionSettings
 from attest_mav.mavlink.component.own_parameters import HOLD, MAX_SIGMA, RATE, TILT_LIMIT, OwnParameters
-from attest_mav.mavlink.component.ports import PortSettings
 from attest_mav.mavlink.component.vehicle_data import POSITION_MESSAGES, DataSettings
 from attest_mav.mavlink.decode.units import RawScales
 from attest_mav.mavlink.dialect import load_dialect

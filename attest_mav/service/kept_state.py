@@ -1,11 +1,12 @@
 """What must survive a restart of the daemon, as a record and as the text of a file: the host reads and writes it."""
 
-from typing import Annotated
+from typing import Annotated, Final
 
 import msgspec
 from msgspec import Meta
 
 from attest_mav.mavlink.component.own_parameters import OwnParameters, ParameterChange
+from attest_mav.mavlink.signing.clock import SigningClock
 from attest_mav.mavlink.signing.signature import LATEST
 
 
@@ -32,16 +33,30 @@ def parse_state(text: bytes) -> KeptState:
     return msgspec.json.decode(text, type=KeptState)
 
 
-def kept(timestamp: int, parameters: OwnParameters) -> KeptState:
-    """The state with this timestamp of signatures and the parameters that were set."""
-    return KeptState(timestamp, {name: KeptParameter(one.value, one.by) for name, one in parameters.changes.items()})
-
-
-def restore_parameters(state: KeptState, parameters: OwnParameters) -> None:
-    """Put the kept parameters in force again."""
-    parameters.restore({name: ParameterChange(one.value, one.by) for name, one in state.parameters.items()})
-
-
 def state_text(state: KeptState) -> bytes:
     """The state as the text of a file."""
     return msgspec.json.format(msgspec.json.encode(state)) + b"\n"
+
+
+class Persistence:
+    """Takes the state out of the parts of a service, and puts it back."""
+
+    def __init__(self, clock: SigningClock, parameters: OwnParameters) -> None:
+        self._clock: Final = clock
+        self._parameters: Final = parameters
+
+    @property
+    def state(self) -> KeptState:
+        """What must survive a restart."""
+        changes = self._parameters.changes
+        kept = {name: KeptParameter(one.value, one.by) for name, one in changes.items()}
+        return KeptState(self._clock.timestamp, kept)
+
+    def restore(self, state: KeptState, unix_ns: int, now_ns: int) -> None:
+        """Go on from the state kept before a restart. unix_ns: the time of day."""
+        self._clock.begin(state.signing_timestamp, unix_ns, now_ns)
+        self._parameters.restore({name: ParameterChange(one.value, one.by) for name, one in state.parameters.items()})
+
+    def set_time(self, unix_ns: int, now_ns: int) -> None:
+        """It is this time of day: signatures follow it."""
+        self._clock.set_time(unix_ns, now_ns)

@@ -25,7 +25,7 @@ from attest_mav.samples import ImuSample, PositionSample, Sample
 from attest_mav.service.announcements import Announcements
 from attest_mav.service.assembly import retuned
 from attest_mav.service.field_lookup import FieldFinder, FieldLookup
-from attest_mav.service.kept_state import KeptState, kept, restore_parameters
+from attest_mav.service.kept_state import Persistence
 from attest_mav.service.link_input import LinkInput
 from attest_mav.service.observation import (
     clock_snapshot,
@@ -68,6 +68,8 @@ class Service:
         for port, signer in zip(self._companion.ports, self._signing.signers, strict=True):
             if signer is not None:
                 port.sign_with(signer.sign)
+        self.persistence: Final = Persistence(self._signing.clock, self._companion.own_parameters)
+        """What must survive a restart; restored before the first bytes come."""
         self._inputs: Final = [
             LinkInput(dialect, self._companion.wanted, None if verifier is None else verifier.accepts)
             for verifier in self._signing.verifiers
@@ -129,6 +131,7 @@ class Service:
     def poll(self, now_ns: int) -> None:
         """Do everything that is due."""
         self._signing.clock.advance(now_ns)
+        self._retune()
         if self._pipeline is not None:
             self._act(self._pipeline.poll(now_ns), now_ns)
         if now_ns >= self._next_refusals_ns:
@@ -143,21 +146,6 @@ class Service:
         pipeline_ns = None if self._pipeline is None else self._pipeline.next_deadline_ns
         if pipeline_ns is not None:
             self.due_ns = min(self.due_ns, pipeline_ns)
-
-    def restore(self, state: KeptState, unix_ns: int, now_ns: int) -> None:
-        """Go on from the state kept before a restart. unix_ns: the time of day."""
-        self._signing.clock.begin(state.signing_timestamp, unix_ns, now_ns)
-        restore_parameters(state, self._companion.own_parameters)
-        self._retune()
-
-    def set_time(self, unix_ns: int, now_ns: int) -> None:
-        """It is this time of day: signatures follow it."""
-        self._signing.clock.set_time(unix_ns, now_ns)
-
-    @property
-    def kept_state(self) -> KeptState:
-        """What must survive a restart."""
-        return kept(self._signing.clock.timestamp, self._companion.own_parameters)
 
     def take_frames(self, link: int) -> list[bytes]:
         """The frames to be written to a link; each is handed out once."""

@@ -30,7 +30,7 @@ def kept(path):
 
 def test_the_time_of_signatures_is_written_at_once_and_again_within_a_minute(tmp_path, service):
     path = tmp_path / "new" / "folder" / "state.json"
-    keeper = StateKeeper(service, path, 0)
+    keeper = StateKeeper(service.persistence, path, 0)
     first = kept(path)
     assert first > 3 * 10**13, "after 2024"
     for _ in range(10):
@@ -43,7 +43,7 @@ def test_the_time_of_signatures_is_written_at_once_and_again_within_a_minute(tmp
 def test_a_kept_time_that_is_ahead_of_the_clock_is_gone_on_from(tmp_path, service):
     path = tmp_path / "state.json"
     path.write_text(json.dumps({"signing_timestamp": FAR}))
-    StateKeeper(service, path, 0)
+    StateKeeper(service.persistence, path, 0)
     assert kept(path) > FAR
 
 
@@ -51,7 +51,7 @@ def test_a_kept_time_that_is_ahead_of_the_clock_is_gone_on_from(tmp_path, servic
 def test_a_file_that_holds_no_state_is_told_and_replaced(tmp_path, service, caplog, text):
     path = tmp_path / "state.json"
     path.write_text(text)
-    StateKeeper(service, path, 0)
+    StateKeeper(service.persistence, path, 0)
     assert 3 * 10**13 < kept(path) < FAR
     assert [one for one in caplog.messages if f"{path} holds no state" in one]
 
@@ -59,13 +59,13 @@ def test_a_file_that_holds_no_state_is_told_and_replaced(tmp_path, service, capl
 def test_a_folder_that_cannot_be_had_ends_the_start_with_its_name(tmp_path, service):
     (tmp_path / "file").write_text("")
     with pytest.raises(ConfigError, match=r"state\.folder: cannot .*file"):
-        StateKeeper(service, tmp_path / "file" / "state.json", 0)
+        StateKeeper(service.persistence, tmp_path / "file" / "state.json", 0)
 
 
 def test_a_failure_later_is_told_once_and_so_is_its_end(tmp_path, service, caplog):
     caplog.set_level("INFO", "attest_mav")
     folder = tmp_path / "state"
-    keeper = StateKeeper(service, folder / "state.json", 0)
+    keeper = StateKeeper(service.persistence, folder / "state.json", 0)
     (folder / "state.json").unlink()
     folder.rmdir()
     keeper.due(30_000_000_000)

@@ -55,9 +55,9 @@ def test_what_was_set_survives_a_restart_with_its_sender(flight):
     f = flight("parameters = true\n[output]\nrate_hz = 10")
     f.run_until(2.0)
     set_to(f, b"ATT_RATE", 2.0)
-    kept = parse_state(state_text(f.service.kept_state))
+    kept = parse_state(state_text(f.service.persistence.state))
     again = flight("parameters = true\n[output]\nrate_hz = 10")
-    again.service.restore(kept, 0, 0)
+    again.service.persistence.restore(kept, 0, 0)
     again.run_until(12.0)
     assert 3 <= len(again.of_type("ATTITUDE_QUATERNION", 10.0)) <= 5
     assert "ATT_RATE is 2, set by 255/190 on udpin::0; the configuration says 10" in again.texts
@@ -66,14 +66,14 @@ def test_what_was_set_survives_a_restart_with_its_sender(flight):
 def test_a_kept_state_of_a_foreign_hand_is_bounded(flight):
     text = b'{"parameters": {"ATT_RATE": {"value": 1e300, "by": "x"}, "NONE": {"value": 1, "by": "y"}}}'
     f = flight("parameters = true")
-    f.service.restore(parse_state(text), 0, 0)
-    assert list(f.service.kept_state.parameters) == ["ATT_RATE"]
-    assert f.service.kept_state.parameters["ATT_RATE"].value == 1000.0
+    f.service.persistence.restore(parse_state(text), 0, 0)
+    assert list(f.service.persistence.state.parameters) == ["ATT_RATE"]
+    assert f.service.persistence.state.parameters["ATT_RATE"].value == 1000.0
 
 
 def test_on_a_link_that_signs_only_signed_commands_set_anything(flight):
     f = flight('parameters = true\nsigning = "sign"\nkey_file = "k"', keys={"k": KEY})
-    f.service.restore(KeptState(), 0, 0)
+    f.service.persistence.restore(KeptState(), 0, 0)
     f.run_until(2.0)
     assert set_to(f, b"ATT_RATE", 4.0) == [20.0]
     assert "udpin::0: 255/190 may not set ATT_RATE: the command is not signed" in f.texts
@@ -84,6 +84,6 @@ def test_on_a_link_that_signs_only_signed_commands_set_anything(flight):
 
 def test_kept_values_do_not_count_where_no_link_has_parameters(flight):
     f = flight()
-    f.service.restore(parse_state(b'{"parameters": {"ATT_RATE": {"value": 1, "by": "x"}}}'), 0, 0)
-    assert f.service.kept_state.parameters == {}
+    f.service.persistence.restore(parse_state(b'{"parameters": {"ATT_RATE": {"value": 1, "by": "x"}}}'), 0, 0)
+    assert f.service.persistence.state.parameters == {}
     assert f.snapshot().own_parameters == ()

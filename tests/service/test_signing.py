@@ -17,6 +17,7 @@ HOVER = SimSettings(scenario="hover", fast_rate_hz=50.0)
 UNIX_NS = 1_790_000_000 * 10**9
 NOW = (1_790_000_000 - 1_420_070_400) * 100_000
 SETUP_SIGNING = 256
+DIALECT = load_dialect()
 
 
 class SigningVehicle:
@@ -44,7 +45,7 @@ class SigningVehicle:
         self._timestamp += 1
         head = bytearray(frame[:-2])
         head[2] |= 1
-        extra = load_dialect().by_id[int.from_bytes(frame[7:10], "little")].crc_extra
+        extra = DIALECT.by_id[int.from_bytes(frame[7:10], "little")].crc_extra
         covered = with_checksum(bytes(head), extra) + b"\0" + struct.pack("<Q", self._timestamp)[:6]
         return covered + hashlib.sha256(self._key + covered).digest()[:6]
 
@@ -58,7 +59,7 @@ def signing_flight(flight):
 
     def make(policy, vehicle_key, more=""):
         f = flight(f'signing = "{policy}"\nkey_file = "k"\n{more}', HOVER, keys={"k": KEY})
-        f.service.restore(KeptState(), UNIX_NS, 0)
+        f.service.persistence.restore(KeptState(), UNIX_NS, 0)
         if vehicle_key is not None:
             f.vehicle = SigningVehicle(f.vehicle, vehicle_key)
         return f
@@ -85,6 +86,7 @@ def test_a_vehicle_with_our_key_is_served_and_hears_us(signing_flight, policy):
         ("require", OTHER, "system 1 signed, key not known: put its key into key_file ("),
         ("require", None, "system 1 unsigned and dropped: set our key there ("),
     ],
+    ids=["another key", "another key, required", "none, required"],
 )
 def test_a_vehicle_that_is_not_believed_gives_no_attitude(signing_flight, policy, vehicle_key, words):
     f = signing_flight(policy, vehicle_key)
@@ -123,11 +125,11 @@ def test_nobody_can_speak_for_a_vehicle_that_signs(signing_flight):
 def test_a_service_that_starts_again_signs_with_later_times_even_when_the_clock_was_set_back(signing_flight):
     f = signing_flight("sign", KEY)
     f.run_until(3.0)
-    kept = parse_state(state_text(f.service.kept_state))
+    kept = parse_state(state_text(f.service.persistence.state))
     f.run_until(6.0)
     last = int.from_bytes(f.raw[-1][-12:-6], "little")
     again = signing_flight("sign", KEY)
-    again.service.restore(kept, UNIX_NS - 10**15, 0)
+    again.service.persistence.restore(kept, UNIX_NS - 10**15, 0)
     again.run_until(1.0)
     assert int.from_bytes(again.raw[0][-12:-6], "little") > last
 

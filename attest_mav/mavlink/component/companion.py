@@ -10,6 +10,7 @@ from typing import Final
 
 from attest_mav.estimate import Estimate
 from attest_mav.mavlink.component.announcer import Announcer
+from attest_mav.mavlink.component.channel import PortSettings
 from attest_mav.mavlink.component.commands import CommandDesk, CommandReader
 from attest_mav.mavlink.component.companion_settings import CompanionSettings
 from attest_mav.mavlink.component.discovery import Vehicle, VehicleDiscovery
@@ -19,7 +20,7 @@ from attest_mav.mavlink.component.outputs import Confidence
 from attest_mav.mavlink.component.own_ids import OwnIds
 from attest_mav.mavlink.component.own_parameters import OwnParameters
 from attest_mav.mavlink.component.parameter_desk import ParameterDesk
-from attest_mav.mavlink.component.ports import Port, PortSettings
+from attest_mav.mavlink.component.ports import Port
 from attest_mav.mavlink.component.requester import Requester
 from attest_mav.mavlink.component.timesync import TimeSync
 from attest_mav.mavlink.component.vehicle_data import VehicleData

@@ -1,64 +1,24 @@
 """The sending side of one link: heartbeat, outputs, answers and requests, with one run of sequence numbers."""
 
-from dataclasses import dataclass
 from typing import Final
 
+from attest_mav.mavlink.component.channel import Channel, PortSettings
 from attest_mav.mavlink.component.encoder import Encoder, Signer
 from attest_mav.mavlink.component.line_limit import LineLimit
 from attest_mav.mavlink.component.notes import Notebook
-from attest_mav.mavlink.component.onboard import SUBSTITUTE_NS, OnboardWatch
-from attest_mav.mavlink.component.outputs import OUTPUTS, SUBSTITUTE, TEXTS, Output, Publication, is_sound
-from attest_mav.mavlink.component.schedule import STOPPED, Schedule, Station
+from attest_mav.mavlink.component.onboard import OnboardWatch
+from attest_mav.mavlink.component.outputs import SUBSTITUTE, TEXTS, Publication, is_sound
+from attest_mav.mavlink.component.schedule import Station
 from attest_mav.mavlink.component.stream import StreamRequest
 from attest_mav.mavlink.component.timesync import AnswerLimit, TimeQuestion
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_INVALID, MAV_TYPE_ONBOARD_CONTROLLER
 from attest_mav.mavlink.dialect import Dialect
-from attest_mav.mavlink.signing.settings import SigningSettings
 from attest_mav.mavlink.wire.frame import Frame
 
 LAST_TEXT_ID: Final = 0xFFFF
 """The largest STATUSTEXT.id."""
 REMEMBERED_HEARTBEATS: Final = 16
 """An echo of a heartbeat comes back before this many more are sent, or it is no echo."""
-
-
-@dataclass(frozen=True)
-class PortSettings:
-    """The outputs of one link."""
-
-    publish: tuple[str, ...] = ("attitude_quaternion", TEXTS)
-    """Names of the outputs that are sent without being requested."""
-    yields: bool = True
-    """Outputs that can be taken for the autopilot's own are held back while another onboard computer of the vehicle is
-    heard on the link."""
-    outputs: tuple[Output, ...] = OUTPUTS
-    """All outputs that can be published or requested."""
-    parameters: bool = False
-    """Whether our parameters can be read and set here."""
-    signing: SigningSettings | None = None
-    """The signatures of the link, None where nothing is signed."""
-
-
-class Channel:
-    """One output on one link. substitute: its schedule in the place of an output that is held back, if it is one."""
-
-    def __init__(self, output: Output, schedule: Schedule, substitute: Schedule | None) -> None:
-        self.output: Final = output
-        self.schedule = schedule
-        self._substitute = substitute
-
-    def retime(self, schedule: Schedule, substitute: Schedule | None) -> None:
-        """Send at another rate of our own from now on; an interval that a station has set stays."""
-        schedule.interval = self.schedule.interval
-        self.schedule, self._substitute = schedule, substitute
-
-    def due(self, t_ns: int, holds_back: bool) -> bool:
-        """Whether the sample at ``t_ns`` is to be sent. holds_back: outputs that mislead are held back."""
-        if holds_back and self.output.misleads:
-            return False
-        if holds_back and self._substitute is not None and self.schedule.period_ns == STOPPED:
-            return self._substitute.due(t_ns)
-        return self.schedule.due(t_ns)
 
 
 class Port:
@@ -80,9 +40,7 @@ class Port:
         self.attitudes_sent = 0
         """Estimates published so far, each counted once in whichever forms; those sent on request are not counted."""
         self._channels: Final[dict[int, Channel]] = {
-            dialect.id_of(output.message): Channel(
-                output, _schedule(output, settings, hz), _substitute(output, settings, hz)
-            )
+            dialect.id_of(output.message): Channel(output, settings, hz)
             for output in settings.outputs
             if not output.with_heartbeat and (output.name in settings.publish or not output.only_configured)
         }
@@ -197,8 +155,7 @@ class Port:
     def set_rate(self, hz: float) -> None:
         """Send the attitude at this rate from now on, Hz."""
         for channel in self._channels.values():
-            output = channel.output
-            channel.retime(_schedule(output, self.settings, hz), _substitute(output, self.settings, hz))
+            channel.set_rate(hz)
 
     def publish(self, publication: Publication) -> None:
         """Send the estimate in the forms and at the rates of this link."""
@@ -253,15 +210,3 @@ class Port:
         suffix = self._lines.suffix(kind, now_ns)
         if suffix is not None:
             self._notes.warning(f"{self.name}: {text}{suffix}")
-
-
-def _schedule(output: Output, settings: PortSettings, hz: float) -> Schedule:
-    """The schedule of an output on a link whose attitude has the rate ``hz``; silent where it is not published."""
-    return Schedule(int(1e9 / (output.hz or hz)) if output.name in settings.publish else STOPPED)
-
-
-def _substitute(output: Output, settings: PortSettings, hz: float) -> Schedule | None:
-    """The schedule of the output that goes out in the place of one that is published and held back."""
-    replaced = [one for one in settings.outputs if one.misleads and not one.only_configured]
-    misleads = any(one.name in settings.publish for one in replaced)
-    return Schedule(max(int(1e9 / hz), SUBSTITUTE_NS)) if misleads and output.message == SUBSTITUTE else None

@@ -6,8 +6,8 @@ import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from attest_mav.estimate import Estimate
+from attest_mav.mavlink.component.channel import PortSettings
 from attest_mav.mavlink.component.outputs import Confidence
-from attest_mav.mavlink.component.ports import PortSettings
 from attest_mav.types import North
 
 SECOND = 1_000_000_000

@@ -9,9 +9,9 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from attest_mav.config.records import parse_config
 from attest_mav.errors import ConfigError
+from attest_mav.mavlink.component.channel import PortSettings
 from attest_mav.mavlink.component.companion_settings import CompanionSettings
 from attest_mav.mavlink.component.own_parameters import OWN_PARAMETERS, ParameterChange
-from attest_mav.mavlink.component.ports import PortSettings
 from attest_mav.service.assembly import service_settings
 
 NAMES = ["ATT_RATE", "ATT_MAX_SIG", "ATT_TILT_LIM", "ATT_HOLD"]
