@@ -153,7 +153,7 @@ class VerdictConfig(_Record, frozen=True):
 
 
 class StateConfig(_Record, frozen=True):
-    """What is kept over a restart."""
+    """The state that is kept over a restart."""
 
     folder: str = ""
     """Folder of the file; empty takes systemd's, else the user's own."""

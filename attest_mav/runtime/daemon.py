@@ -56,7 +56,7 @@ class Daemon:
             self._end()
 
     def _state_keeper(self, config: Config, now_ns: int) -> StateKeeper | None:
-        """What keeps the state on disk, where something must be kept."""
+        """The keeper of the state on disk, None where nothing must be kept."""
         if not config.keeps_state:
             return None
         keeper = StateKeeper(self.service.persistence, state_path(config.state.folder, os.environ), now_ns)

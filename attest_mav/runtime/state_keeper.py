@@ -1,4 +1,4 @@
-"""Keeps on disk what must survive a restart: the time of our signatures, and parameters that stations have set."""
+"""Keeps the state on disk: the time of our signatures, and the parameters that stations have set."""
 
 import logging
 import os

@@ -1,4 +1,4 @@
-"""What must survive a restart of the daemon, as a record and as the text of a file: the host reads and writes it."""
+"""The state that survives a restart of the daemon, as a record and as text: the host reads and writes the file."""
 
 from typing import Annotated, Final
 
@@ -47,7 +47,7 @@ class Persistence:
 
     @property
     def state(self) -> KeptState:
-        """What must survive a restart."""
+        """The state that must survive a restart."""
         changes = self._parameters.changes
         kept = {name: KeptParameter(one.value, one.by) for name, one in changes.items()}
         return KeptState(self._clock.timestamp, kept)
@@ -58,5 +58,5 @@ class Persistence:
         self._parameters.restore({name: ParameterChange(one.value, one.by) for name, one in state.parameters.items()})
 
     def set_time(self, unix_ns: int, now_ns: int) -> None:
-        """It is this time of day: signatures follow it."""
+        """Take the time of day, ns of UNIX: signatures follow it."""
         self._clock.set_time(unix_ns, now_ns)

@@ -69,7 +69,7 @@ class Service:
             if signer is not None:
                 port.sign_with(signer.sign)
         self.persistence: Final = Persistence(self._signing.clock, self._companion.own_parameters)
-        """What must survive a restart; restored before the first bytes come."""
+        """The state that survives a restart; restored before the first bytes come."""
         self._inputs: Final = [
             LinkInput(dialect, self._companion.wanted, None if verifier is None else verifier.accepts)
             for verifier in self._signing.verifiers
@@ -102,13 +102,13 @@ class Service:
     def receive(self, link: int, data: bytes, now_ns: int, stream: int = 0) -> bool:
         """Take bytes that arrived on a link, in one of its streams; whether they completed an intact frame.
 
-        On a link that requires signatures only a frame with a correct one counts as intact.
+        On a link that requires signatures only a frame with a correct one counts as intact; one of an old time does
+        too, since a vehicle whose clock is behind must hear us to follow ours.
         """
-        companion, source, verifier = self._companion, self._inputs[link], self._signing.verifiers[link]
+        companion, source = self._companion, self._inputs[link]
         self._signing.clock.advance(now_ns)
-        before = source.frames
-        frames = source.feed(data, now_ns, stream)
-        for frame in frames:
+        before = self._intact_frames(link)
+        for frame in source.feed(data, now_ns, stream):
             is_data = companion.handle(link, frame, now_ns)
             if companion.sender != self._sender:
                 self._begin_anew()
@@ -120,7 +120,12 @@ class Service:
                 for exchange in companion.timesync.take():
                     self._vehicle.clock.take(exchange)
                 self.due_ns = now_ns  # a heartbeat, an answer, a command: something may follow from it
-        return bool(frames) if verifier is not None and verifier.requires else source.frames > before
+        return self._intact_frames(link) > before
+
+    def _intact_frames(self, link: int) -> int:
+        """Frames of a link so far that let its sender be answered."""
+        verifier = self._signing.verifiers[link]
+        return verifier.authentic if verifier is not None and verifier.requires else self._inputs[link].frames
 
     def link_restarted(self, link: int) -> None:
         """A link was opened again: a frame that was received in part is dropped."""

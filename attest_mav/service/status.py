@@ -78,7 +78,7 @@ def status_line(now: Snapshot, before: Snapshot) -> str:
 
 
 def _changed_by_others(now: Snapshot) -> list[str]:
-    """What other stations have changed in our outputs and parameters."""
+    """Changes of our outputs and parameters by other stations."""
     held = [f"held back on {link.name} for component {link.held_for}" for link in now.links if link.held_back]
     held += [f"{name} {change.value:g} set by {change.by}" for name, change in now.own_parameters]
     return held + [f"{change} on {link.name}" for link in now.links for change in link.changes]

@@ -23,22 +23,24 @@ DIALECT = load_dialect()
 class SigningVehicle:
     """The fake autopilot behind pymavlink's signatures: it hears only frames that are signed with its key."""
 
-    def __init__(self, vehicle, key):
-        self._vehicle, self._key, self._timestamp = vehicle, key, NOW
+    def __init__(self, vehicle, key, behind_s=0):
+        self._vehicle, self._key, self._began = vehicle, key, NOW - behind_s * 100_000
+        self._timestamp = self._began
         self._ears = mavlink.MAVLink(None)
         self._ears.robust_parsing = True
         self._ears.signing.secret_key = key
-        self._ears.signing.timestamp = NOW
+        self._ears.signing.timestamp = self._began
         self.heard = []
 
     def handle(self, data, now_ns):
         for message in self._ears.parse_buffer(data) or []:
             self.heard.append(message.get_type())
+            self._timestamp = max(self._timestamp, self._ears.signing.timestamp)
             if message.get_type() != "BAD_DATA":
                 self._vehicle.handle(data, now_ns)
 
     def frames_until(self, now_ns):
-        self._timestamp = max(self._timestamp, NOW + now_ns // 10_000)
+        self._timestamp = max(self._timestamp, self._began + now_ns // 10_000)
         return [self.signed(frame) for frame in self._vehicle.frames_until(now_ns)]
 
     def signed(self, frame):
@@ -57,11 +59,11 @@ class SigningVehicle:
 def signing_flight(flight):
     """A flight on a link with our key; vehicle_key: what the vehicle signs with, None for nothing."""
 
-    def make(policy, vehicle_key, more=""):
-        f = flight(f'signing = "{policy}"\nkey_file = "k"\n{more}', HOVER, keys={"k": KEY})
+    def make(policy, vehicle_key, behind_s=0):
+        f = flight(f'signing = "{policy}"\nkey_file = "k"', HOVER, keys={"k": KEY})
         f.service.persistence.restore(KeptState(), UNIX_NS, 0)
         if vehicle_key is not None:
-            f.vehicle = SigningVehicle(f.vehicle, vehicle_key)
+            f.vehicle = SigningVehicle(f.vehicle, vehicle_key, behind_s)
         return f
 
     return make
@@ -154,3 +156,16 @@ def test_on_a_link_that_requires_signatures_only_they_confirm_a_sender(signing_f
     beat = mavlink.MAVLink_heartbeat_message(2, 3, 0, 0, 4, 3).pack(unsigned)
     assert not f.service.receive(0, beat, 0)
     assert f.service.receive(0, f.vehicle.signed(beat), 0)
+    assert not f.service.receive(0, SigningVehicle(f.vehicle, OTHER).signed(beat), 0)
+
+
+def test_a_vehicle_whose_clock_is_behind_is_answered_so_that_it_can_follow_ours(signing_flight):
+    f = signing_flight("require", KEY, behind_s=3600)
+    unsigned = mavlink.MAVLink(None, srcSystem=1, srcComponent=1)
+    beat = mavlink.MAVLink_heartbeat_message(2, 3, 0, 0, 4, 3).pack(unsigned)
+    assert f.service.receive(0, f.vehicle.signed(beat), 0), "the sender is answered"
+    assert f.snapshot().vehicle is None
+    assert f.snapshot().links[0].signing.old_timestamps == 1
+    f.run_until(8.0)
+    assert f.of_type("ATTITUDE_QUATERNION", 7.0)
+    assert "system 1 signed with our key" in f.status()

@@ -68,7 +68,7 @@ class Companion:
             for name, port in links
         ]
         self.own_parameters: Final = OwnParameters(settings.parameters, self.notebook)
-        """What ground stations may read and set."""
+        """The parameters that ground stations may read and set."""
         self._parameter_desk: Final = ParameterDesk(dialect, self.ports, self.own_parameters)
         self.handlers: Final[dict[int, Handler]] = {
             **self._parameter_desk.handlers,

@@ -1,8 +1,8 @@
 """The timestamps of our own signatures: they run with the time of day, strictly grow, and never go back.
 
 The host tells the time of day at the start and from time to time, since the clock of a small computer is often set
-long after its start. A correct signature with a later timestamp moves ours forward, as in every implementation of
-MAVLink's signatures: whoever signs with the key is believed, and a receiver refuses what is a minute older than its
+long after its start. A correct signature with a later timestamp moves ours forward, as in the reference
+implementation: whoever signs with the key is believed, and a receiver refuses frames that are a minute older than its
 own time. The time is kept over a restart, so that a clock that was set back meanwhile costs nothing.
 """
 
@@ -11,7 +11,7 @@ from typing import Final
 from attest_mav.mavlink.signing.signature import LATEST, TICK_NS, timestamp_of
 
 RESERVE: Final = 60 * 100_000
-"""What may have been used since the time was last kept, in ticks: a minute."""
+"""Ticks that may have been used since the time was last kept: a minute."""
 
 
 class SigningClock:
@@ -29,7 +29,7 @@ class SigningClock:
             self.follow(min(kept + RESERVE, LATEST))
 
     def advance(self, now_ns: int) -> None:
-        """It is ``now_ns`` by the host's monotonic clock."""
+        """Take the time of the host's monotonic clock."""
         self._now_ns = now_ns
 
     def set_time(self, unix_ns: int, now_ns: int) -> None:

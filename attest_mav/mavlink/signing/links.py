@@ -26,7 +26,7 @@ class FrameSigner:
 
 
 class LinkSigning:
-    """What signs and verifies on each link. ``links``: a name and the settings of each, None where nothing is signed.
+    """A signer and a verifier for each link. ``links``: a name and the settings of each, None where nothing is signed.
 
     The link id in our signatures is the number of the link.
     """

@@ -82,6 +82,11 @@ class Verifier:
             self._heard[system, trust] = self._clock.now_ns
         return trust in {Trust.VERIFIED, Trust.UNSIGNED}
 
+    @property
+    def authentic(self) -> int:
+        """Frames so far that somebody with our key has signed, in time or too early."""
+        return self.counts[Trust.VERIFIED] + self.counts[Trust.OLD]
+
     def systems(self, now_ns: int) -> list[tuple[int, Trust]]:
         """The systems heard in the last seconds, each with the best outcome of its frames, in order of their ids."""
         best: dict[int, Trust] = {}
