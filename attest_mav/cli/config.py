@@ -7,7 +7,7 @@ import click
 from attest_mav.config.records import Config, parse_config
 from attest_mav.config.text import to_toml
 from attest_mav.runtime.files import read_config
-from attest_mav.service.assembly import check_simulations
+from attest_mav.service.assembly import check_simulations, check_unsigned_messages
 
 
 @click.group("config")
@@ -42,4 +42,5 @@ def load(file: str | None, changes: Sequence[str] = ()) -> Config:
     name = " and ".join([*([] if file is None else [file]), *(["--set"] if changes else [])])
     config = parse_config(text, name, changes)
     check_simulations(config, name)
+    check_unsigned_messages(config, name)
     return config

@@ -75,6 +75,14 @@ class LinkConfig(_Record, frozen=True):
     """The outputs on this link."""
     yield_to_onboard: bool = True
     """Hold ATTITUDE_QUATERNION back while another onboard computer of the vehicle is heard on the link."""
+    parameters: bool = False
+    """Let ground stations read and set our parameters."""
+    signing: Literal["off", "sign", "require"] = "off"
+    """Sign what is sent and verify what is signed; "require" drops unsigned frames too."""
+    key_file: str = ""
+    """File of the key, 32 bytes or 64 hexadecimal digits, which nobody else may read."""
+    accept_unsigned: tuple[str, ...] = ()
+    """Messages that are taken unsigned all the same."""
     wait: bool = True
     """Wait for a device or a server that is not there at the start, instead of ending with exit code 69."""
 
@@ -146,6 +154,13 @@ class VerdictConfig(_Record, frozen=True):
     """Age above which an attitude of the autopilot is not compared, s."""
 
 
+class StateConfig(_Record, frozen=True):
+    """The state that is kept over a restart."""
+
+    folder: str = ""
+    """Folder of the file; empty takes systemd's, else the user's own."""
+
+
 class LogConfig(_Record, frozen=True):
     """The lines on stderr."""
 
@@ -167,7 +182,13 @@ class Config(_Record, frozen=True):
     aiding: AidingConfig = AidingConfig()
     estimate: EstimateConfig = EstimateConfig()
     verdict: VerdictConfig = VerdictConfig()
+    state: StateConfig = StateConfig()
     log: LogConfig = LogConfig()
+
+    @property
+    def keeps_state(self) -> bool:
+        """Whether anything must survive a restart."""
+        return any(link.signing != "off" or link.parameters for link in self.link)
 
     def with_links(self, urls: tuple[str, ...]) -> Self:
         """The same with other links, each with the default outputs, for ``--link``."""
@@ -213,6 +234,10 @@ def _check_links(config: Config, name: str) -> None:
             parse_link(link.url)
         except UsageError as error:
             raise ConfigError(f"{name}: link[{index}].url: {error}") from None
+        if link.signing != "off" and not link.key_file:
+            raise ConfigError(
+                f'{name}: link[{index}].key_file: signing = "{link.signing}" needs a key; name the file that holds it'
+            )
 
 
 def _check_ids(output: OutputConfig, name: str) -> None:

@@ -38,9 +38,14 @@ class AttitudeCheck:
     def __init__(self, settings: VerdictSettings) -> None:
         self.judge: Final = Judge(settings)
         self.verdict: Verdict | None = None
-        self._settings: Final = settings
+        self._settings = settings
         self._sources: Final[dict[str, _Source]] = {}
         self._refused_ns = -1
+
+    def use(self, settings: VerdictSettings) -> None:
+        """Judge by other settings from now on."""
+        self._settings = settings
+        self.judge.use(settings)
 
     def take(self, sample: AttitudeSample) -> list[Verdict]:
         """Judge an attitude that the autopilot flies by; others tell nothing."""

@@ -85,6 +85,11 @@ class Pipeline:
         """The trims of this flight before they were changed, rad."""
         self._witness = Witness() if isinstance(attitude_filter, VelocityAided) else None
 
+    def use(self, settings: PipelineSettings) -> None:
+        """Publish and judge by other settings from now on; those of lanes and aids stay."""
+        self._settings = settings
+        self._check.use(settings.verdict)
+
     def takes(self, source: str) -> bool:
         """Whether the stream of this name is one of the lanes."""
         return source in self._sources

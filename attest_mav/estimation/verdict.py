@@ -104,7 +104,7 @@ class Judge:
     """Weighs the autopilot's attitudes against the set of ours as both come."""
 
     def __init__(self, settings: VerdictSettings) -> None:
-        self._settings: Final = settings
+        self._settings = settings
         self.trim_moved = False
         """Whether the trim was changed in flight: the autopilot then levels by another attitude than at take-off."""
         self._pairing: Final = Pairing()
@@ -127,6 +127,10 @@ class Judge:
         """There is no valid estimate any more."""
         self._pairing.forget()
         self._members = ()
+
+    def use(self, settings: VerdictSettings) -> None:
+        """Judge by other settings from now on."""
+        self._settings = settings
 
     def judge(self, sample: AttitudeSample) -> list[Verdict]:
         """The verdict on one attitude of the autopilot, which must carry a time; none while it waits or repeats."""

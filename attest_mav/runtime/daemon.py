@@ -9,12 +9,14 @@ from typing import Final
 
 from attest_mav.config.records import Config
 from attest_mav.mavlink.dialect import load_dialect
+from attest_mav.runtime.keys import read_keys
 from attest_mav.runtime.links.base import Link
 from attest_mav.runtime.links.open import open_links
 from attest_mav.runtime.links.served import ServedLink
 from attest_mav.runtime.loop import Loop, Timer
 from attest_mav.runtime.notify import Notifier
 from attest_mav.runtime.reporter import Reporter
+from attest_mav.runtime.state_keeper import StateKeeper, state_path
 from attest_mav.service.assembly import service_settings
 from attest_mav.service.field_lookup import FieldFinder
 from attest_mav.service.service import Service
@@ -28,13 +30,13 @@ class Daemon:
 
     def __init__(self, config: Config, find_field: FieldFinder) -> None:
         now_ns = time.monotonic_ns()
+        settings = service_settings(config, read_keys(config.link))
         dialect = load_dialect()
         self.loop: Final = Loop()
         """Other handlers may be added before ``run``."""
         self.links: Final = open_links(config.link, dialect, now_ns)
-        self.service: Final = Service(
-            service_settings(config), [link.url for link in self.links], dialect, find_field, now_ns
-        )
+        self.service: Final = Service(settings, [link.url for link in self.links], dialect, find_field, now_ns)
+        self._keeper: Final = self._state_keeper(config, now_ns)
         self._notifier: Final = Notifier(os.environ)
         for number, link in enumerate(self.links):
             restarted = partial(self.service.link_restarted, number)
@@ -52,6 +54,14 @@ class Daemon:
             self.loop.run(stop)
         finally:
             self._end()
+
+    def _state_keeper(self, config: Config, now_ns: int) -> StateKeeper | None:
+        """The keeper of the state on disk, None where nothing must be kept."""
+        if not config.keeps_state:
+            return None
+        keeper = StateKeeper(self.service.persistence, state_path(config.state.folder, os.environ), now_ns)
+        self.loop.add(keeper)
+        return keeper
 
     def _receive(self, number: int, data: bytes, now_ns: int) -> None:
         """Take bytes of a link; an estimate made of them leaves in the same turn."""
@@ -78,6 +88,8 @@ class Daemon:
         self._notifier.stopping()
         self.service.stop()
         self._put_out(time.monotonic_ns())
+        if self._keeper is not None:
+            self._keeper.write()
         for link in self.links:
             link.close()
         self.loop.close()

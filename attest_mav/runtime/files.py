@@ -25,19 +25,19 @@ MAX_CONFIG_BYTES = 1 << 20
 def open_log(path: str | Path) -> Iterator[mmap.mmap]:
     """The file's bytes, read-only and not copied; UnreadableDataError says why there are none."""
     try:
-        with open(path, "rb", opener=_open_without_waiting) as file:
+        with open(path, "rb", opener=open_without_waiting) as file:
             if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
                 raise UnreadableDataError(f"{path} is not a regular file; expected a log")
             if os.fstat(file.fileno()).st_size == 0:
                 raise UnreadableDataError(f"{path} is empty; expected a log")
             mapped = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
     except OSError as error:
-        raise UnreadableDataError(f"cannot read {path}: {_reason(error)}") from None
+        raise UnreadableDataError(f"cannot read {path}: {reason_of(error)}") from None
     with mapped:
         yield mapped
 
 
-def _open_without_waiting(path: str, flags: int) -> int:
+def open_without_waiting(path: str, flags: int) -> int:
     """Open a file; a named pipe that nobody writes to would otherwise be waited for."""
     return os.open(path, flags | os.O_NONBLOCK)
 
@@ -48,7 +48,7 @@ def read_config(path: str | Path) -> str:
         with Path(path).open("rb") as file:
             data = file.read(MAX_CONFIG_BYTES + 1)
     except OSError as error:
-        raise ConfigError(f"cannot read the configuration {path}: {_reason(error)}") from None
+        raise ConfigError(f"cannot read the configuration {path}: {reason_of(error)}") from None
     if len(data) > MAX_CONFIG_BYTES:
         raise ConfigError(f"{path}: larger than {MAX_CONFIG_BYTES} bytes; expected a configuration in TOML")
     try:
@@ -122,7 +122,7 @@ def _blaming(target: Path) -> Iterator[None]:
     except BrokenPipeError:
         raise
     except OSError as error:
-        raise UnwritableError(f"cannot write {target}: {_reason(error)}") from None
+        raise UnwritableError(f"cannot write {target}: {reason_of(error)}") from None
 
 
 def give_up_stdout() -> None:
@@ -140,7 +140,8 @@ def _mode_of_new_files() -> int:
     return 0o666 & ~mask
 
 
-def _reason(error: OSError) -> str:
+def reason_of(error: OSError) -> str:
+    """The error in a few words, for people."""
     reasons: dict[type[OSError], str] = {
         FileNotFoundError: "no such file or directory",
         IsADirectoryError: "it is a directory; expected a file",

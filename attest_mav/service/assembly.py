@@ -4,6 +4,9 @@ The configuration holds what a user may write, in a user's units; here its degre
 the records of the packages that act on them.
 """
 
+from collections.abc import Mapping
+from dataclasses import replace
+from difflib import get_close_matches
 from math import nan, radians
 from typing import Final
 
@@ -16,22 +19,25 @@ from attest_mav.estimation.vehicle import AidSettings
 from attest_mav.estimation.verdict import VerdictSettings
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.velocity_aided.filter import VelocityAided
+from attest_mav.mavlink.component.channel import PortSettings
 from attest_mav.mavlink.component.companion_settings import CompanionSettings
-from attest_mav.mavlink.component.ports import PortSettings
+from attest_mav.mavlink.component.own_parameters import HOLD, MAX_SIGMA, RATE, TILT_LIMIT, OwnParameters
 from attest_mav.mavlink.component.vehicle_data import POSITION_MESSAGES, DataSettings
 from attest_mav.mavlink.decode.units import RawScales
+from attest_mav.mavlink.dialect import load_dialect
+from attest_mav.mavlink.signing.settings import SigningSettings
 from attest_mav.service.settings import ServiceSettings
 
 SERIAL_BITS: Final = 10
 """Bits on a serial line for each byte: one to start, eight of data, one to stop."""
 
 
-def service_settings(config: Config) -> ServiceSettings:
-    """The settings of all parts of the service."""
+def service_settings(config: Config, keys: Mapping[str, bytes] | None = None) -> ServiceSettings:
+    """The settings of all parts of the service. keys: the contents of the ``key_file`` of each link that signs."""
     declination_deg = config.estimate.declination_deg
     return ServiceSettings(
         companion=companion_settings(config),
-        ports=tuple(port_settings(link) for link in config.link),
+        ports=tuple(port_settings(link, keys or {}) for link in config.link),
         raw_scales=raw_scales(config.raw_imu),
         pipeline=pipeline_settings(config),
         attitude_filter=config.filter.build(),
@@ -61,12 +67,30 @@ def companion_settings(config: Config) -> CompanionSettings:
         output.rate_hz,
         data,
         config.estimate.timesync,
+        _own_parameters(config),
     )
 
 
-def port_settings(link: LinkConfig) -> PortSettings:
-    """The outputs of one link."""
-    return PortSettings(link.publish, link.yield_to_onboard)
+def port_settings(link: LinkConfig, keys: Mapping[str, bytes]) -> PortSettings:
+    """The outputs and the signatures of one link."""
+    signing = None
+    if link.signing != "off":
+        signing = SigningSettings(keys[link.key_file], link.signing == "require", link.accept_unsigned)
+    return PortSettings(link.publish, link.yield_to_onboard, parameters=link.parameters, signing=signing)
+
+
+def retuned(settings: PipelineSettings, parameters: OwnParameters) -> PipelineSettings:
+    """The settings of the pipeline with the values of our parameters that are in force."""
+    tilt_deg = parameters.value(TILT_LIMIT.name)
+    verdict = VerdictConfig(tilt_deg=tilt_deg or "auto", hold_s=parameters.value(HOLD.name))
+    thresholds = _verdict_settings(verdict)
+    return replace(
+        settings,
+        max_sigma=radians(parameters.value(MAX_SIGMA.name)),
+        verdict=replace(
+            settings.verdict, tilt=thresholds.tilt, proven_tilt=thresholds.proven_tilt, hold_s=thresholds.hold_s
+        ),
+    )
 
 
 def raw_scales(raw_imu: RawImuConfig) -> RawScales | None:
@@ -93,6 +117,19 @@ def check_simulations(config: Config, name: str) -> None:
                 raise ConfigError(f"{name}: link[{index}].url: {error}") from None
 
 
+def check_unsigned_messages(config: Config, name: str) -> None:
+    """ConfigError if ``accept_unsigned`` of the file ``name`` lists a message that the dialect does not have."""
+    if not any(link.accept_unsigned for link in config.link):
+        return
+    known = load_dialect().by_name
+    for index, link in enumerate(config.link):
+        for message in link.accept_unsigned:
+            if message not in known:
+                near = get_close_matches(message, known, n=1)
+                hint = f"did you mean {near[0]}?" if near else "expected a name such as RADIO_STATUS"
+                raise ConfigError(f"{name}: link[{index}].accept_unsigned: no message {message:.60}; {hint}")
+
+
 def _verdict_settings(verdict: VerdictConfig) -> VerdictSettings:
     """The thresholds of the verdict; one number in the configuration replaces both thresholds of the tilt."""
     defaults = VerdictSettings()
@@ -105,6 +142,19 @@ def _verdict_settings(verdict: VerdictConfig) -> VerdictSettings:
         max_sigma=radians(verdict.max_sigma_deg),
         stale_s=verdict.stale_s,
     )
+
+
+def _own_parameters(config: Config) -> dict[str, float]:
+    """The configured values of our parameters; none where no link allows them, so that kept values do not count."""
+    if not any(link.parameters for link in config.link):
+        return {}
+    tilt_deg = config.verdict.tilt_deg
+    return {
+        RATE.name: config.output.rate_hz,
+        MAX_SIGMA.name: config.output.max_sigma_deg,
+        TILT_LIMIT.name: 0.0 if tilt_deg == "auto" else tilt_deg,
+        HOLD.name: config.verdict.hold_s,
+    }
 
 
 def _aid_settings(aiding: AidingConfig) -> AidSettings:

@@ -5,6 +5,7 @@ from typing import Final
 
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.framer import Frame, Framer
+from attest_mav.mavlink.wire.walker import AcceptanceCheck
 
 MAX_STREAMS: Final = 16
 """Streams whose unfinished frames are remembered; the one fed longest ago makes room."""
@@ -13,12 +14,14 @@ MAX_STREAMS: Final = 16
 class LinkInput:
     """Finds the frames of a link. A frame that is cut in one stream is not mixed with bytes of another.
 
-    wanted: the ids to return. The counters are those of ``Walker``, over all streams.
+    wanted: the ids to return. accepts: an optional check of each wanted frame. The counters are those of ``Walker``,
+    over all streams.
     """
 
-    def __init__(self, dialect: Dialect, wanted: frozenset[int]) -> None:
+    def __init__(self, dialect: Dialect, wanted: frozenset[int], accepts: AcceptanceCheck | None = None) -> None:
         self._dialect: Final = dialect
         self._wanted: Final = wanted
+        self._accepts: Final = accepts
         self._framers: Final[OrderedDict[int, Framer]] = OrderedDict()
         self._past: Final = [0, 0, 0, 0]
 
@@ -46,7 +49,7 @@ class LinkInput:
         """The wanted frames that these bytes of a stream complete."""
         framer = self._framers.get(stream)
         if framer is None:
-            framer = self._framers[stream] = Framer(self._dialect, self._wanted)
+            framer = self._framers[stream] = Framer(self._dialect, self._wanted, self._accepts)
             if len(self._framers) > MAX_STREAMS:
                 self._retire(self._framers.popitem(last=False)[1])
         self._framers.move_to_end(stream)

@@ -9,6 +9,7 @@ from attest_mav.mavlink.component.ports import Port
 from attest_mav.mavlink.component.streams import StreamManager
 from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.service.link_input import LinkInput
+from attest_mav.service.signing_status import SigningSnapshot
 from attest_mav.service.snapshot import (
     ClockSnapshot,
     LaneSnapshot,
@@ -20,8 +21,8 @@ from attest_mav.service.snapshot import (
 )
 
 
-def link_snapshot(framer: LinkInput, port: Port, traffic: Traffic) -> LinkSnapshot:
-    """One link, from its receiving side, its sending side and its host's counters."""
+def link_snapshot(framer: LinkInput, port: Port, signing: SigningSnapshot | None, traffic: Traffic) -> LinkSnapshot:
+    """One link, from its receiving side, its sending side, its signatures and its host's counters."""
     return LinkSnapshot(
         name=port.name,
         frames=framer.frames,
@@ -32,6 +33,7 @@ def link_snapshot(framer: LinkInput, port: Port, traffic: Traffic) -> LinkSnapsh
         held_back=port.held_for != 0,
         held_for=port.held_for,
         changes=tuple(port.changes),
+        signing=signing,
         traffic=traffic,
     )
 

@@ -35,7 +35,8 @@ class PublicationGate:
         """Whether the attitude is published as believed."""
         self.reason = ""
         """Why it is withheld, "" while it is published and before the first estimate."""
-        self._max_sigma: Final = max_sigma
+        self.max_sigma = max_sigma
+        """The limit of the tilt sigma, rad."""
         self._closed_ns = 0
         self._objected_ns = 0
         self._was_open = False
@@ -90,6 +91,6 @@ class PublicationGate:
         if contradicted:
             return "contradicted"
         share = 1.0 if self.is_open or not self._was_open else RELEASE
-        if estimate.tilt_sigma > share * self._max_sigma:
-            return f"tilt sigma {degrees(estimate.tilt_sigma):.1f} over {degrees(self._max_sigma):g} deg"
+        if estimate.tilt_sigma > share * self.max_sigma:
+            return f"tilt sigma {degrees(estimate.tilt_sigma):.1f} over {degrees(self.max_sigma):g} deg"
         return ""

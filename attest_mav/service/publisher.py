@@ -26,6 +26,10 @@ class Publisher:
         """Why the attitude is withheld, "" where it is sent."""
         return self._gate.reason
 
+    def limit(self, max_sigma: float) -> None:
+        """Withhold the attitude above this tilt sigma from now on, rad."""
+        self._gate.max_sigma = max_sigma
+
     def publish(self, estimate: Estimate, contradicted: bool, now_ns: int) -> None:
         """Send an estimate. contradicted: a sensor, the receiver or the field speaks against it."""
         self._tell(self._gate.take(estimate, contradicted, now_ns))

@@ -6,6 +6,7 @@ vehicle and a counter. Everything that anyone may see of the service is in ``sna
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
 from attest_mav.estimate import Estimate
@@ -14,13 +15,17 @@ from attest_mav.estimation.pipeline import Pipeline
 from attest_mav.estimation.vehicle import Vehicle
 from attest_mav.mavlink.component.companion import Companion
 from attest_mav.mavlink.component.notes import Note
+from attest_mav.mavlink.component.own_parameters import RATE
 from attest_mav.mavlink.constants import MAV_STATE_ACTIVE, MAV_STATE_BOOT, MAV_STATE_CALIBRATING, MAV_STATE_CRITICAL
 from attest_mav.mavlink.decode.autopilot_parameters import facts_of_firmware
 from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.dialect import Dialect
+from attest_mav.mavlink.signing.links import LinkSigning
 from attest_mav.samples import ImuSample, PositionSample, Sample
 from attest_mav.service.announcements import Announcements
+from attest_mav.service.assembly import retuned
 from attest_mav.service.field_lookup import FieldFinder, FieldLookup
+from attest_mav.service.kept_state import Persistence
 from attest_mav.service.link_input import LinkInput
 from attest_mav.service.observation import (
     clock_snapshot,
@@ -32,6 +37,7 @@ from attest_mav.service.observation import (
 )
 from attest_mav.service.publisher import Publisher
 from attest_mav.service.settings import ServiceSettings
+from attest_mav.service.signing_status import signing_snapshot
 from attest_mav.service.snapshot import NO_TRAFFIC, NoteCounts, Snapshot, Traffic
 from attest_mav.service.source_notes import SourceNotes
 from attest_mav.service.verdict_teller import VerdictTeller
@@ -51,12 +57,23 @@ class Service:
         """``links``: the names of the links, one for each of ``settings.ports``."""
         self.due_ns = now_ns
         """When ``poll`` is due; a time in the past is at once."""
-        self._settings: Final = settings
+        self._settings = settings
         self._dialect: Final = dialect
         ports = list(zip(links, settings.ports, strict=True))
         self._companion: Final = Companion(dialect, settings.companion, ports, now_ns)
         self._notebook: Final = self._companion.notebook
-        self._inputs: Final = [LinkInput(dialect, self._companion.wanted) for _ in links]
+        self._signing: Final = LinkSigning(
+            dialect, settings.companion.component, [(name, port.signing) for name, port in ports], self._notebook
+        )
+        for port, signer in zip(self._companion.ports, self._signing.signers, strict=True):
+            if signer is not None:
+                port.sign_with(signer.sign)
+        self.persistence: Final = Persistence(self._signing.clock, self._companion.own_parameters)
+        """The state that survives a restart; restored before the first bytes come."""
+        self._inputs: Final = [
+            LinkInput(dialect, self._companion.wanted, None if verifier is None else verifier.accepts)
+            for verifier in self._signing.verifiers
+        ]
         self._decoder = Decoder(dialect, settings.raw_scales)
         self._vehicle = Vehicle(settings.pipeline.aids)
         self._vehicle.field = EarthField(settings.declination)
@@ -83,9 +100,14 @@ class Service:
         return estimate is not None and now_ns - estimate.rx_ns < self._stale_ns
 
     def receive(self, link: int, data: bytes, now_ns: int, stream: int = 0) -> bool:
-        """Take bytes that arrived on a link, in one of its streams; whether they completed an intact frame."""
+        """Take bytes that arrived on a link, in one of its streams; whether they completed an intact frame.
+
+        On a link that requires signatures only a frame with a correct one counts as intact; one of an old time does
+        too, since a vehicle whose clock is behind must hear us to follow ours.
+        """
         companion, source = self._companion, self._inputs[link]
-        before = source.frames
+        self._signing.clock.advance(now_ns)
+        before = self._intact_frames(link)
         for frame in source.feed(data, now_ns, stream):
             is_data = companion.handle(link, frame, now_ns)
             if companion.sender != self._sender:
@@ -94,10 +116,16 @@ class Service:
                 for sample in self._decoder.decode(frame):
                     self._take(sample, now_ns)
             else:
+                self._retune()
                 for exchange in companion.timesync.take():
                     self._vehicle.clock.take(exchange)
                 self.due_ns = now_ns  # a heartbeat, an answer, a command: something may follow from it
-        return source.frames > before
+        return self._intact_frames(link) > before
+
+    def _intact_frames(self, link: int) -> int:
+        """Frames of a link so far that let its sender be answered."""
+        verifier = self._signing.verifiers[link]
+        return verifier.authentic if verifier is not None and verifier.requires else self._inputs[link].frames
 
     def link_restarted(self, link: int) -> None:
         """A link was opened again: a frame that was received in part is dropped."""
@@ -107,6 +135,8 @@ class Service:
 
     def poll(self, now_ns: int) -> None:
         """Do everything that is due."""
+        self._signing.clock.advance(now_ns)
+        self._retune()
         if self._pipeline is not None:
             self._act(self._pipeline.poll(now_ns), now_ns)
         if now_ns >= self._next_refusals_ns:
@@ -138,14 +168,16 @@ class Service:
     def snapshot(self, now_ns: int, traffic: Sequence[Traffic] = ()) -> Snapshot:
         """Everything that may be seen of the service. ``traffic``: the host's counters, one record a link."""
         companion, decoder = self._companion, self._decoder
-        parts = zip(self._inputs, companion.ports, traffic or [NO_TRAFFIC] * len(self._inputs), strict=True)
+        counters = traffic or [NO_TRAFFIC] * len(self._inputs)
+        signing = [signing_snapshot(verifier, now_ns) for verifier in self._signing.verifiers]
+        parts = zip(self._inputs, companion.ports, signing, counters, strict=True)
         inertial = companion.data.imu
         return Snapshot(
             now_ns=now_ns,
             state=companion.state,
             vehicle=vehicle_snapshot(companion.discovery, self._vehicle),
             ambiguity=companion.discovery.ambiguity,
-            links=tuple(link_snapshot(framer, port, counters) for framer, port, counters in parts),
+            links=tuple(link_snapshot(*part) for part in parts),
             streams=stream_snapshots(companion.data.stream_manager, now_ns),
             inertial="" if inertial is None else inertial.name,
             single_imu=companion.data.single_imu,
@@ -160,6 +192,7 @@ class Service:
             self_report=self._vehicle.self_report.remarks(now_ns),
             frame_notes=tuple(self._frame_notes),
             link_remarks=tuple(companion.remarks(now_ns)),
+            own_parameters=tuple(companion.own_parameters.changes.items()),
             notes=NoteCounts(self._notebook.warnings, self._notebook.errors, self._notebook.dropped),
         )
 
@@ -198,6 +231,19 @@ class Service:
         self._publisher = self._new_publisher()
         self._verdicts.end()
         self._verdicts = self._new_teller()
+
+    def _retune(self) -> None:
+        """Put our own parameters in force, where they have changed."""
+        parameters = self._companion.own_parameters
+        if not parameters.take_change():
+            return
+        settings = retuned(self._settings.pipeline, parameters)
+        self._settings = replace(self._settings, pipeline=settings)
+        self._publisher.limit(settings.max_sigma)
+        if self._pipeline is not None:
+            self._pipeline.use(settings)
+        for port in self._companion.ports:
+            port.set_rate(parameters.value(RATE.name))
 
     def _is_served(self, source: str) -> bool:
         """Whether the pipeline has a lane for this message, or an estimate of another sensor."""

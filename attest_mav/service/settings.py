@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 from attest_mav.estimation.pipeline import PipelineSettings
 from attest_mav.filters.base import AttitudeFilter
+from attest_mav.mavlink.component.channel import PortSettings
 from attest_mav.mavlink.component.companion_settings import CompanionSettings
-from attest_mav.mavlink.component.ports import PortSettings
 from attest_mav.mavlink.decode.units import RawScales
 
 

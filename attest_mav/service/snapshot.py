@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 from attest_mav.estimate import Estimate
 from attest_mav.estimation.events import Verdict
+from attest_mav.mavlink.component.own_parameters import ParameterChange
+from attest_mav.service.signing_status import SigningSnapshot
 from attest_mav.types import EarthField, VehicleKind, Version
 from attest_mav.vehicle_settings import VehicleSettings
 
@@ -54,6 +56,8 @@ class LinkSnapshot:
     """Component id of that onboard computer, 0 for none."""
     changes: tuple[str, ...]
     """What other stations have changed in our outputs: message, rate and station."""
+    signing: SigningSnapshot | None
+    """Its signatures, None where nothing is signed."""
     traffic: Traffic
     """Transport counters."""
 
@@ -232,6 +236,8 @@ class Snapshot:
     """The trims that are taken off the autopilot's attitudes, and the messages that cannot be compared."""
     link_remarks: tuple[str, ...]
     """What is wrong on the links: other senders, damage, requests that are not heard; each a sentence."""
+    own_parameters: tuple[tuple[str, ParameterChange], ...]
+    """Our parameters that stations have set, by name."""
     notes: NoteCounts
     """Lines left for the log."""
 

@@ -7,6 +7,7 @@ from attest_mav.algebra import q_to_euler
 from attest_mav.estimate import Estimate
 from attest_mav.estimation.events import Agreement, Verdict
 from attest_mav.mavlink.constants import MAV_STATE_ACTIVE, MAV_STATE_BOOT, MAV_STATE_CALIBRATING, MAV_STATE_CRITICAL
+from attest_mav.service.signing_status import signing_text
 from attest_mav.service.snapshot import LaneSnapshot, Rates, Snapshot, rates_between
 from attest_mav.types import North
 
@@ -71,13 +72,15 @@ def status_line(now: Snapshot, before: Snapshot) -> str:
         parts += [f"attitude withheld: {now.withheld}"] if now.withheld else []
     parts += [f"the autopilot itself {', '.join(now.self_report)}"] if now.self_report else []
     parts += now.link_remarks
+    parts += [signing_text(link.name, link.signing) for link in now.links if link.signing is not None]
     parts.append(", ".join([f"sent {rates.published:.1f} Hz", *_changed_by_others(now)]))
     return " | ".join(parts)
 
 
 def _changed_by_others(now: Snapshot) -> list[str]:
-    """What other stations have changed in our outputs."""
+    """Changes of our outputs and parameters by other stations."""
     held = [f"held back on {link.name} for component {link.held_for}" for link in now.links if link.held_back]
+    held += [f"{name} {change.value:g} set by {change.by}" for name, change in now.own_parameters]
     return held + [f"{change} on {link.name}" for link in now.links for change in link.changes]
 
 

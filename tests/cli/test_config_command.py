@@ -51,3 +51,14 @@ def test_what_show_prints_passes_check_and_shows_the_same(tmp_path, source):
     path.write_text(shown.output)
     assert run("check", str(path)).exit_code == 0
     assert run("show", str(path)).output == shown.output
+
+
+@pytest.mark.parametrize(
+    ("message", "hint"), [("RADIO_STATU", "did you mean RADIO_STATUS?"), ("?", "expected a name such as RADIO_STATUS")]
+)
+def test_a_message_that_does_not_exist_cannot_be_taken_unsigned(tmp_path, message, hint):
+    path = tmp_path / "signed.toml"
+    path.write_text(f"[[link]]\nurl = 'sim:'\naccept_unsigned = ['HEARTBEAT', '{message}']\n")
+    with pytest.raises(ConfigError) as caught:
+        run("check", str(path))
+    assert f"link[0].accept_unsigned: no message {message}; {hint}" in str(caught.value)

@@ -89,6 +89,12 @@ def test_nothing_is_needed():
         ("[[link]]", "link[0]: the key url is missing"),
         ("[[link]]\nurl = 'sim:'\npublish = ['x']", "link[0].publish[0]: expected attitude_quaternion or "),
         ("[[link]]\nurl = 'sim:'\n[[link]]\nurl = 5", "link[1].url: expected str, got int"),
+        (
+            "[[link]]\nurl = 'sim:'\nsigning = 'require'",
+            'link[0].key_file: signing = "require" needs a key; name the file that holds it',
+        ),
+        ("[[link]]\nurl = 'sim:'\nsigning = 'yes'", "link[0].signing: expected off or sign or require, got 'yes'"),
+        ("[[link]]\nurl = 'sim:'\nparameters = 1", "link[0].parameters: expected bool, got int"),
         ("link = 3", "link: expected array, got int"),
         ("output = 3", "output: expected object, got int"),
         ("output", "not valid TOML"),
@@ -259,3 +265,11 @@ def test_links_of_the_command_line_replace_those_of_the_file():
     config = parse_config("[[link]]\nurl = 'sim:'\npublish = []", "x").with_links(("udpin::0", "sim:"))
     assert [link.url for link in config.link] == ["udpin::0", "sim:"]
     assert config.link[1] == LinkConfig(url="sim:")
+
+
+@pytest.mark.parametrize(
+    ("text", "keeps"),
+    [("", False), ("signing = 'sign'\nkey_file = 'k'", True), ("parameters = true", True), ("key_file = 'k'", False)],
+)
+def test_state_is_kept_where_a_link_signs_or_has_parameters(text, keeps):
+    assert parse_config(f"[[link]]\nurl = 'sim:'\n{text}", "x").keeps_state == keeps

@@ -6,8 +6,10 @@ import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from attest_mav.config.records import parse_config
+from attest_mav.errors import ConfigError
 from attest_mav.runtime.daemon import Daemon
 from attest_mav.runtime.loop import READ, Handler, Timer, Watch
+from attest_mav.service.kept_state import parse_state
 from attest_mav.types import EarthField
 
 PERIOD_NS = 5_000_000
@@ -101,3 +103,30 @@ def test_a_foreign_client_and_a_timer_live_on_the_daemons_loop(observer, caplog)
     assert observer.of_type("HEARTBEAT")[-1].system_status == mavlink.MAV_STATE_POWEROFF
     assert "ready: the first estimate is there" in caplog.messages
     assert any(text.startswith("using RAW_IMU with the filter velocity-aided") for text in caplog.messages)
+
+
+def signing_daemon(tmp_path, mode):
+    key = tmp_path / "link.key"
+    key.write_bytes(bytes(range(32)))
+    key.chmod(mode)
+    text = f"[[link]]\nurl = 'sim:still'\nsigning = 'sign'\nkey_file = '{key}'\n[state]\nfolder = '{tmp_path}/state'\n"
+    return Daemon(parse_config(text, "test"), lambda *_: (EarthField(0.1, 1.1), "a test"))
+
+
+def test_a_daemon_that_signs_keeps_the_time_of_its_signatures(tmp_path):
+    times = []
+    for _ in range(2):
+        daemon = signing_daemon(tmp_path, 0o600)
+        daemon.loop.add(Timer(lambda: 0, lambda _now_ns, daemon=daemon: daemon.loop.stop()))
+        stop, signal = socket.socketpair()
+        with stop, signal:
+            daemon.run(stop)
+        times.append(parse_state((tmp_path / "state" / "state.json").read_bytes()).signing_timestamp)
+    assert times[0] > 3 * 10**13, "after 2024"
+    assert times[1] > times[0]
+
+
+def test_a_key_that_others_may_read_ends_the_start_and_nothing_is_written(tmp_path):
+    with pytest.raises(ConfigError, match="chmod 600"):
+        signing_daemon(tmp_path, 0o644)
+    assert not (tmp_path / "state").exists()

@@ -39,11 +39,18 @@ def message_id(frame: bytes) -> int:
 class Flight:
     """One vehicle and one service; ``heard`` is what the service sent, with the time it was sent, on its first link."""
 
-    def __init__(self, dialect: Dialect, config: Config, settings: SimSettings, chunk: int = 0) -> None:
+    def __init__(
+        self,
+        dialect: Dialect,
+        config: Config,
+        settings: SimSettings,
+        chunk: int = 0,
+        keys: dict[str, bytes] | None = None,
+    ) -> None:
         self.now_ns = 0
         self.vehicle = FakeAutopilot(settings, 1, dialect)
         names = [link.url for link in config.link]
-        self.service = Service(service_settings(config), names, dialect, lambda *_: (FIELD, "a test"), 0)
+        self.service = Service(service_settings(config, keys), names, dialect, lambda *_: (FIELD, "a test"), 0)
         self.heard: list[tuple[float, Any]] = []
         self.raw: list[bytes] = []
         self.deaf_to: set[int] = set()
@@ -119,8 +126,10 @@ class Flight:
 def flight(dialect: Dialect) -> Callable[..., Flight]:
     """Makes a flight; ``toml`` is appended to a configuration with one link."""
 
-    def make(toml: str = "", settings: SimSettings | None = None, chunk: int = 0) -> Flight:
+    def make(
+        toml: str = "", settings: SimSettings | None = None, chunk: int = 0, keys: dict[str, bytes] | None = None
+    ) -> Flight:
         config = parse_config(f"[[link]]\nurl = 'udpin::0'\n{toml}", "test")
-        return Flight(dialect, config, settings or SimSettings(scenario="still", fast_rate_hz=50.0), chunk)
+        return Flight(dialect, config, settings or SimSettings(scenario="still", fast_rate_hz=50.0), chunk, keys)
 
     return make

@@ -10,6 +10,7 @@ from typing import Final
 
 from attest_mav.estimate import Estimate
 from attest_mav.mavlink.component.announcer import Announcer
+from attest_mav.mavlink.component.channel import PortSettings
 from attest_mav.mavlink.component.commands import CommandDesk, CommandReader
 from attest_mav.mavlink.component.companion_settings import CompanionSettings
 from attest_mav.mavlink.component.discovery import Vehicle, VehicleDiscovery
@@ -17,7 +18,9 @@ from attest_mav.mavlink.component.notes import Notebook
 from attest_mav.mavlink.component.outgoing import Outgoing
 from attest_mav.mavlink.component.outputs import Confidence
 from attest_mav.mavlink.component.own_ids import OwnIds
-from attest_mav.mavlink.component.ports import Port, PortSettings
+from attest_mav.mavlink.component.own_parameters import OwnParameters
+from attest_mav.mavlink.component.parameter_desk import ParameterDesk
+from attest_mav.mavlink.component.ports import Port
 from attest_mav.mavlink.component.requester import Requester
 from attest_mav.mavlink.component.timesync import TimeSync
 from attest_mav.mavlink.component.vehicle_data import VehicleData
@@ -25,6 +28,7 @@ from attest_mav.mavlink.component.vehicle_traffic import VehicleTraffic
 from attest_mav.mavlink.constants import (
     MAV_AUTOPILOT_INVALID,
     MAV_CMD_SET_MESSAGE_INTERVAL,
+    MAV_MODE_FLAG_SAFETY_ARMED,
     MAV_STATE_BOOT,
     MAV_STATE_POWEROFF,
     MAV_TYPE_ONBOARD_CONTROLLER,
@@ -63,7 +67,11 @@ class Companion:
             Port(dialect, name, port, self._system, settings.component, settings.publish_hz, self.notebook)
             for name, port in links
         ]
+        self.own_parameters: Final = OwnParameters(settings.parameters, self.notebook)
+        """The parameters that ground stations may read and set."""
+        self._parameter_desk: Final = ParameterDesk(dialect, self.ports, self.own_parameters)
         self.handlers: Final[dict[int, Handler]] = {
+            **self._parameter_desk.handlers,
             dialect.id_of("HEARTBEAT"): self._hear_heartbeat,
             dialect.id_of("COMMAND_LONG"): self._hear_command,
             dialect.id_of("COMMAND_INT"): self._hear_command,
@@ -77,7 +85,7 @@ class Companion:
         self.announcer: Final = Announcer()
         """Texts for people, which go out on every link that carries texts."""
         self.own_ids: Final = OwnIds(self.ports, self.notebook, now_ns)
-        self._heartbeat: Final = dialect.layout("HEARTBEAT").pick("type", "autopilot")
+        self._heartbeat: Final = dialect.layout("HEARTBEAT").pick("type", "autopilot", "base_mode")
         self._ack: Final = dialect.layout("COMMAND_ACK").pick("command", "result", "target_system", "target_component")
         self._commands: Final = CommandReader(dialect)
         self._desks: Final = [CommandDesk(port, self.notebook) for port in self.ports]
@@ -155,6 +163,7 @@ class Companion:
         self.discovery.poll(now_ns)
         for port in self.ports:
             port.poll(now_ns)
+        self._parameter_desk.poll(now_ns)
         self._away = not self._requester.may_ask(now_ns)
         self._requester.poll(now_ns)
         self._requester.note_remark(now_ns)
@@ -175,6 +184,9 @@ class Companion:
         text_ns = self.announcer.next_deadline_ns
         beat_ns = self._outgoing.due_ns
         due_ns = beat_ns if text_ns is None else min(text_ns, beat_ns)
+        list_ns = self._parameter_desk.next_deadline_ns
+        if list_ns is not None:
+            due_ns = min(due_ns, list_ns)
         time_ns = None if self.discovery.vehicle is None else self.timesync.next_deadline_ns
         if time_ns is not None:
             due_ns = min(due_ns, time_ns)
@@ -194,7 +206,7 @@ class Companion:
             port.heartbeat(MAV_STATE_POWEROFF)
 
     def _hear_heartbeat(self, link: int, frame: Frame, now_ns: int) -> bool:
-        vehicle_type, autopilot = self._heartbeat.unpack(frame.payload)
+        vehicle_type, autopilot, base_mode = self._heartbeat.unpack(frame.payload)
         found = self.discovery.heartbeat(link, frame.system, frame.component, vehicle_type, autopilot, now_ns)
         vehicle = self.discovery.vehicle
         if vehicle is None:
@@ -202,6 +214,8 @@ class Companion:
         elif found:
             self._found(vehicle, now_ns)
         is_vehicle = self._is_from_vehicle(frame)
+        if is_vehicle:
+            self.own_parameters.is_armed = bool(base_mode & MAV_MODE_FLAG_SAFETY_ARMED)
         port = self.ports[link]
         port.station_heard(frame.system, frame.component, now_ns)
         if vehicle_type == MAV_TYPE_ONBOARD_CONTROLLER and frame.system == self._system and not is_vehicle:
@@ -266,6 +280,7 @@ class Companion:
         if sender != self.sender:
             self._forget()
             self.sender = sender
+            self._outgoing.autopilot = vehicle.autopilot
         self._system = self._settings.system or vehicle.system
         for port in self.ports:
             port.rename(self._system)

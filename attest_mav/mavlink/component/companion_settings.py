@@ -21,3 +21,5 @@ class CompanionSettings:
     """The messages and settings requested of the vehicle."""
     timesync: bool = True
     """Whether the vehicle is asked for its time."""
+    parameters: dict[str, float] = field(default_factory=dict)
+    """The configured values of our own parameters, by name; see ``own_parameters``."""

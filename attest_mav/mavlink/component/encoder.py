@@ -7,7 +7,12 @@ from collections.abc import Callable, Mapping
 from struct import Struct
 from typing import Any, Final
 
-from attest_mav.mavlink.constants import MAV_CMD_REQUEST_MESSAGE, MAV_CMD_SET_MESSAGE_INTERVAL, MAVLINK_VERSION
+from attest_mav.mavlink.constants import (
+    MAV_CMD_REQUEST_MESSAGE,
+    MAV_CMD_SET_MESSAGE_INTERVAL,
+    MAV_PARAM_TYPE_REAL32,
+    MAVLINK_VERSION,
+)
 from attest_mav.mavlink.dialect import Dialect, Layout
 from attest_mav.mavlink.wire.checksum import with_checksum
 from attest_mav.mavlink.wire.frame import MAGIC_V2, SIGNED
@@ -54,6 +59,9 @@ class Encoder:
         )
         self._parameter: Final = dialect.layout("PARAM_REQUEST_READ").pick(
             "param_index", "target_system", "target_component", "param_id"
+        )
+        self._own_parameter: Final = dialect.layout("PARAM_VALUE").pick(
+            "param_value", "param_count", "param_index", "param_id", "param_type"
         )
         self._ack: Final = dialect.layout("COMMAND_ACK").pick("command", "result", "target_system", "target_component")
         self._named: Final = dialect.layout("NAMED_VALUE_FLOAT").pick("time_boot_ms", "value", "name")
@@ -111,6 +119,11 @@ class Encoder:
         """PARAM_REQUEST_READ of the parameter of that name, at most 16 characters."""
         payload = self._parameter.pack(-1, target_system, target_component, name.encode("ascii"))
         return self.frame(self._parameter.layout, payload)
+
+    def param_value(self, name: str, value: float, count: int, index: int) -> bytes:
+        """PARAM_VALUE of type REAL32: a parameter of at most 16 characters, the index of one of ``count``."""
+        payload = self._own_parameter.pack(value, count, index, name.encode("ascii"), MAV_PARAM_TYPE_REAL32)
+        return self.frame(self._own_parameter.layout, payload)
 
     def command_ack(self, command: int, result: int, target_system: int, target_component: int) -> bytes:
         """COMMAND_ACK: MAV_CMD, MAV_RESULT, and who had asked."""

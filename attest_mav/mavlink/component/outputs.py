@@ -13,6 +13,18 @@ from typing import Final
 from attest_mav.algebra import is_finite, norm, q_norm
 from attest_mav.estimate import Estimate
 from attest_mav.mavlink.component.encoder import COVARIANCE_UNKNOWN, Encoder
+from attest_mav.mavlink.constants import (
+    MAV_AUTOPILOT_ARDUPILOTMEGA,
+    MAV_AUTOPILOT_PX4,
+    MAV_ESTIMATOR_TYPE_UNKNOWN,
+    MAV_FRAME_BODY_FRD,
+    MAV_FRAME_LOCAL_FRD,
+    MAV_FRAME_LOCAL_NED,
+)
+from attest_mav.types import North
+
+UNKNOWN_21: Final[tuple[float, ...]] = (nan,) * 21
+"""A covariance of ODOMETRY that is not known."""
 
 MAX_RATE: Final = 1e4
 """rad/s: a rate beyond this is no rate, and a float of 32 bits could not hold any double."""
@@ -51,13 +63,19 @@ NO_VERDICT: Final = PublishedVerdict(nan, nan, nan)
 class Publication:
     """Everything that an output can tell."""
 
-    def __init__(self, estimate: Estimate, verdict: PublishedVerdict, confidence: Confidence) -> None:
+    def __init__(
+        self, estimate: Estimate, verdict: PublishedVerdict, confidence: Confidence, autopilot: int, resets: int
+    ) -> None:
         self.estimate: Final = estimate
         """The newest estimate."""
         self.verdict: Final = verdict
         """The newest verdict, or NO_VERDICT."""
         self.confidence: Final = confidence
         """How far the estimate can be believed."""
+        self.autopilot: Final = autopilot
+        """MAV_AUTOPILOT of the vehicle."""
+        self.resets: Final = resets
+        """How often the attitude has begun anew, or has come of another sensor."""
 
 
 @dataclass(frozen=True)
@@ -78,6 +96,8 @@ class Output:
     """The output is sent at this confidence or a higher one."""
     misleads: str = ""
     """Programs that take the message for the autopilot's own, "" for none: such an output can be held back."""
+    only_configured: bool = False
+    """Where ``publish`` does not name it, no command can request it."""
 
 
 def attitude_quaternion(encoder: Encoder, publication: Publication) -> list[bytes]:
@@ -110,10 +130,49 @@ def named_values(encoder: Encoder, publication: Publication) -> list[bytes]:
     return frames
 
 
+def odometry(encoder: Encoder, publication: Publication) -> list[bytes]:
+    """ODOMETRY of the attitude alone, in the form of the vehicle's autopilot; nothing where it has none.
+
+    Position, velocity and their covariances are NaN, which is unknown: zeros would be measurements.
+    """
+    estimate = publication.estimate
+    is_true = estimate.north == North.TRUE
+    if publication.autopilot == MAV_AUTOPILOT_ARDUPILOTMEGA and is_true:
+        frame_id, time_ns = MAV_FRAME_LOCAL_FRD, estimate.t_ns
+    elif publication.autopilot == MAV_AUTOPILOT_PX4:
+        frame_id = MAV_FRAME_LOCAL_NED if is_true else MAV_FRAME_LOCAL_FRD
+        # PX4 turns the time into its own by TIMESYNC, so it is the time of our clock.
+        time_ns = estimate.rx_ns - round(1e9 * estimate.delay_s)
+    else:
+        return []
+    values: dict[str, object] = {
+        "time_usec": max(time_ns, 0) // 1000,
+        "frame_id": frame_id,
+        "child_frame_id": MAV_FRAME_BODY_FRD,
+        "q": estimate.q_nb,
+        "pose_covariance": _pose_covariance(estimate),
+        "velocity_covariance": UNKNOWN_21,
+        "reset_counter": publication.resets & 0xFF,
+        "estimator_type": MAV_ESTIMATOR_TYPE_UNKNOWN,
+    }
+    values |= dict.fromkeys(("x", "y", "z", "vx", "vy", "vz"), nan)
+    values |= dict(zip(("rollspeed", "pitchspeed", "yawspeed"), estimate.rates, strict=True))
+    return [encoder.message("ODOMETRY", values)]
+
+
+def _pose_covariance(estimate: Estimate) -> list[float]:
+    """The upper triangle of a 6 by 6 matrix, row by row: the variances of roll, pitch and yaw, and NaN elsewhere."""
+    covariance = list(UNKNOWN_21)
+    covariance[15] = covariance[18] = estimate.tilt_sigma * estimate.tilt_sigma
+    covariance[20] = estimate.heading_sigma * estimate.heading_sigma
+    return covariance
+
+
 OUTPUTS: Final = (
     Output("attitude_quaternion", "ATTITUDE_QUATERNION", attitude_quaternion, misleads="MAVROS and MAVSDK"),
     Output("attitude_quaternion_cov", "ATTITUDE_QUATERNION_COV", attitude_quaternion_cov, least=Confidence.UNCERTAIN),
     Output("named_values", "NAMED_VALUE_FLOAT", named_values, with_heartbeat=True, least=Confidence.DOUBTED),
+    Output("odometry", "ODOMETRY", odometry, misleads="MAVROS and MAVSDK", only_configured=True),
 )
 """ArduPilot writes the named values into its own log; nobody uses ATTITUDE_QUATERNION_COV unasked."""
 

@@ -1,14 +1,14 @@
 """The sending side of one link: heartbeat, outputs, answers and requests, with one run of sequence numbers."""
 
-from dataclasses import dataclass
 from typing import Final
 
-from attest_mav.mavlink.component.encoder import Encoder
+from attest_mav.mavlink.component.channel import Channel, PortSettings
+from attest_mav.mavlink.component.encoder import Encoder, Signer
 from attest_mav.mavlink.component.line_limit import LineLimit
 from attest_mav.mavlink.component.notes import Notebook
-from attest_mav.mavlink.component.onboard import SUBSTITUTE_NS, OnboardWatch
-from attest_mav.mavlink.component.outputs import OUTPUTS, SUBSTITUTE, TEXTS, Output, Publication, is_sound
-from attest_mav.mavlink.component.schedule import STOPPED, Schedule, Station
+from attest_mav.mavlink.component.onboard import OnboardWatch
+from attest_mav.mavlink.component.outputs import SUBSTITUTE, TEXTS, Publication, is_sound
+from attest_mav.mavlink.component.schedule import Station
 from attest_mav.mavlink.component.stream import StreamRequest
 from attest_mav.mavlink.component.timesync import AnswerLimit, TimeQuestion
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_INVALID, MAV_TYPE_ONBOARD_CONTROLLER
@@ -19,36 +19,6 @@ LAST_TEXT_ID: Final = 0xFFFF
 """The largest STATUSTEXT.id."""
 REMEMBERED_HEARTBEATS: Final = 16
 """An echo of a heartbeat comes back before this many more are sent, or it is no echo."""
-
-
-@dataclass(frozen=True)
-class PortSettings:
-    """The outputs of one link."""
-
-    publish: tuple[str, ...] = ("attitude_quaternion", TEXTS)
-    """Names of the outputs that are sent without being requested."""
-    yields: bool = True
-    """Outputs that can be taken for the autopilot's own are held back while another onboard computer of the vehicle is
-    heard on the link."""
-    outputs: tuple[Output, ...] = OUTPUTS
-    """All outputs that can be published or requested."""
-
-
-class Channel:
-    """One output on one link. substitute: its schedule in the place of an output that is held back, if it is one."""
-
-    def __init__(self, output: Output, schedule: Schedule, substitute: Schedule | None) -> None:
-        self.output: Final = output
-        self.schedule: Final = schedule
-        self._substitute: Final = substitute
-
-    def due(self, t_ns: int, holds_back: bool) -> bool:
-        """Whether the sample at ``t_ns`` is to be sent. holds_back: outputs that mislead are held back."""
-        if holds_back and self.output.misleads:
-            return False
-        if holds_back and self._substitute is not None and self.schedule.period_ns == STOPPED:
-            return self._substitute.due(t_ns)
-        return self.schedule.due(t_ns)
 
 
 class Port:
@@ -70,17 +40,15 @@ class Port:
         self.attitudes_sent = 0
         """Estimates published so far, each counted once in whichever forms; those sent on request are not counted."""
         self._channels: Final[dict[int, Channel]] = {
-            dialect.id_of(output.message): Channel(
-                output, _schedule(output, settings, hz), _substitute(output, settings, hz)
-            )
+            dialect.id_of(output.message): Channel(output, settings, hz)
             for output in settings.outputs
-            if not output.with_heartbeat
+            if not output.with_heartbeat and (output.name in settings.publish or not output.only_configured)
         }
         published = [output for output in settings.outputs if output.name in settings.publish]
         self._beside_heartbeat: Final = [output for output in published if output.with_heartbeat]
         misleading = [output for output in published if output.misleads]
         self._misleading: Final = ", ".join([output.message for output in misleading])
-        self._misled: Final = ", ".join([output.misleads for output in misleading])
+        self._misled: Final = ", ".join(dict.fromkeys([output.misleads for output in misleading]))
         self._sends_texts: Final = TEXTS in settings.publish
         self._text_id = 0
         self._dialect: Final = dialect
@@ -116,6 +84,10 @@ class Port:
         """Speak under another system id from now on."""
         if system != self.encoder.system:
             self.encoder = Encoder(self._dialect, system, self.encoder.component, self.encoder.signer)
+
+    def sign_with(self, signer: Signer) -> None:
+        """Sign every frame from now on."""
+        self.encoder = Encoder(self._dialect, self.encoder.system, self.encoder.component, signer)
 
     def heartbeat(self, state: int) -> None:
         """HEARTBEAT with this MAV_STATE."""
@@ -180,6 +152,11 @@ class Port:
             if channel.schedule.interval is not None
         ]
 
+    def set_rate(self, hz: float) -> None:
+        """Send the attitude at this rate from now on, Hz."""
+        for channel in self._channels.values():
+            channel.set_rate(hz)
+
     def publish(self, publication: Publication) -> None:
         """Send the estimate in the forms and at the rates of this link."""
         holds_back = self.held_for != 0
@@ -223,7 +200,9 @@ class Port:
         if publication.confidence < output.least:
             return False
         if is_sound(publication.estimate):
-            self._out += output.frames(self.encoder, publication)
+            frames = output.frames(self.encoder, publication)
+            self._out += frames
+            return bool(frames)
         return True
 
     def _note(self, kind: str, text: str, now_ns: int) -> None:
@@ -231,14 +210,3 @@ class Port:
         suffix = self._lines.suffix(kind, now_ns)
         if suffix is not None:
             self._notes.warning(f"{self.name}: {text}{suffix}")
-
-
-def _schedule(output: Output, settings: PortSettings, hz: float) -> Schedule:
-    """The schedule of an output on a link whose attitude has the rate ``hz``; silent where it is not published."""
-    return Schedule(int(1e9 / (output.hz or hz)) if output.name in settings.publish else STOPPED)
-
-
-def _substitute(output: Output, settings: PortSettings, hz: float) -> Schedule | None:
-    """The schedule of the output that goes out in the place of one that is published and held back."""
-    misleads = any(one.misleads and one.name in settings.publish for one in settings.outputs)
-    return Schedule(max(int(1e9 / hz), SUBSTITUTE_NS)) if misleads and output.message == SUBSTITUTE else None

@@ -67,10 +67,11 @@ class Requester:
         manager = self._data.stream_manager
         if manager.unanswered < UNHEARD or self._data.autopilot_settings.is_answered or not self.may_ask(now_ns):
             return ""
-        if self._traffic.is_signed:
+        vehicle = self._discovery.vehicle
+        if self._traffic.is_signed and vehicle is not None and self._ports[vehicle.link].encoder.signer is None:
             return (
                 "the vehicle signs its messages and answers no unsigned request: let it accept unsigned messages on "
-                "this link, or set the rates there"
+                "this link, or give its key (signing and key_file of the link)"
             )
         return "the autopilot does not hear us: no request was answered; check the line towards it"
 

@@ -8,10 +8,10 @@ import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from attest_mav.estimate import Estimate
+from attest_mav.mavlink.component.channel import PortSettings
 from attest_mav.mavlink.component.companion import Companion
 from attest_mav.mavlink.component.companion_settings import CompanionSettings
 from attest_mav.mavlink.component.notes import Notebook
-from attest_mav.mavlink.component.ports import PortSettings
 from attest_mav.mavlink.dialect import Dialect, load_dialect
 from attest_mav.mavlink.wire.framer import Framer
 from attest_mav.types import North

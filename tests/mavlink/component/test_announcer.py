@@ -3,7 +3,7 @@
 import pytest
 
 from attest_mav.mavlink.component.announcer import Announcement, Announcer
-from attest_mav.mavlink.component.ports import PortSettings
+from attest_mav.mavlink.component.channel import PortSettings
 
 SECOND = 1_000_000_000
 CRITICAL, WARNING, NOTICE = 2, 4, 5

@@ -3,9 +3,9 @@
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from attest_mav.mavlink.component.channel import PortSettings
 from attest_mav.mavlink.component.companion import Companion
 from attest_mav.mavlink.component.companion_settings import CompanionSettings
-from attest_mav.mavlink.component.ports import PortSettings
 from attest_mav.mavlink.component.vehicle_data import DataSettings
 
 SECOND = 1_000_000_000

@@ -5,9 +5,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from attest_mav.mavlink.component.channel import PortSettings
 from attest_mav.mavlink.component.encoder import Encoder
 from attest_mav.mavlink.component.outputs import OUTPUTS, Output
-from attest_mav.mavlink.component.ports import Port, PortSettings
+from attest_mav.mavlink.component.ports import Port
 from attest_mav.mavlink.component.schedule import Schedule
 
 SECOND = 1_000_000_000
@@ -215,3 +216,14 @@ def test_another_system_id_keeps_the_signer(dialect, notebook):
     port.heartbeat(4)
     (frame,) = port.take()
     assert (frame[2], frame[5], frame[-13:]) == (1, 7, bytes(13))
+
+
+def test_another_rate_of_our_own_leaves_an_interval_that_a_station_has_set(bench, estimate):
+    b = bench(links=[BOTH])
+    b.vehicle_heartbeat()
+    b.hear(mavlink.MAVLink_command_long_message(1, 193, 511, 0, 31, 1e6, 0, 0, 0, 0, 0), 255, 190)
+    b.companion.ports[0].set_rate(5.0)
+    for number in range(175):
+        b.publish(estimate(t_s=100.0 + number * 0.02))
+    assert len(b.of_type("ATTITUDE_QUATERNION")) == 4
+    assert len(b.of_type("ATTITUDE_QUATERNION_COV")) == 18

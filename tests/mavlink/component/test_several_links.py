@@ -3,8 +3,8 @@
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from attest_mav.mavlink.component.channel import PortSettings
 from attest_mav.mavlink.component.companion_settings import CompanionSettings
-from attest_mav.mavlink.component.ports import PortSettings
 
 RAW_IMU = 27
 TWO = [PortSettings(), PortSettings()]

@@ -1,0 +1,99 @@
+"""Keeps the state on disk: the time of our signatures, and the parameters that stations have set."""
+
+import logging
+import os
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Final
+
+from attest_mav.errors import ConfigError, UnwritableError
+from attest_mav.runtime.files import atomic_write, reason_of
+from attest_mav.runtime.loop import Handler
+from attest_mav.service.kept_state import KeptState, Persistence, parse_state, state_text
+
+log = logging.getLogger("attest_mav.daemon")
+
+FILE_NAME: Final = "state.json"
+PERIOD_NS: Final = 30_000_000_000
+"""The time of the signatures is kept this often: a start counts on less than a minute."""
+LOOK_NS: Final = 5_000_000_000
+"""Parameters are looked at this often, and written where one was set."""
+
+
+def state_path(folder: str, environment: Mapping[str, str]) -> Path:
+    """The file of the state. folder: the configured one, "" for systemd's, else the user's own."""
+    if folder:
+        return Path(folder) / FILE_NAME
+    given = environment.get("STATE_DIRECTORY", "").split(":")[0]
+    if given:
+        return Path(given) / FILE_NAME
+    home = environment.get("XDG_STATE_HOME", "") or str(Path.home() / ".local" / "state")
+    return Path(home) / "attest-mav" / FILE_NAME
+
+
+class StateKeeper(Handler):
+    """Restores the state of a service, and writes it from time to time. ConfigError where it cannot be written."""
+
+    def __init__(self, persistence: Persistence, path: Path, now_ns: int) -> None:
+        self._persistence: Final = persistence
+        self._path: Final = path
+        self._due_ns = now_ns + LOOK_NS
+        self._time_due_ns = now_ns + PERIOD_NS
+        self._is_failing = False
+        self._written = _read(path)
+        persistence.restore(self._written, time.time_ns(), now_ns)
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._write()
+        except OSError as error:
+            raise ConfigError(f"state.folder: cannot make {path.parent}: {reason_of(error)}") from None
+        except UnwritableError as error:
+            raise ConfigError(f"state.folder: {error}; name a folder that may be written") from None
+
+    @property
+    def next_deadline_ns(self) -> int | None:
+        """See ``Handler``."""
+        return self._due_ns
+
+    def due(self, now_ns: int) -> None:
+        """Tell the service the time of day, which may have been set, and write what is due."""
+        self._due_ns = now_ns + LOOK_NS
+        self._persistence.set_time(time.time_ns(), now_ns)
+        if now_ns >= self._time_due_ns or self._persistence.state.parameters != self._written.parameters:
+            self._time_due_ns = now_ns + PERIOD_NS
+            self.write()
+
+    def write(self) -> None:
+        """Write the state; a failure is told once, and so is its end."""
+        try:
+            self._write()
+        except UnwritableError as error:
+            if not self._is_failing:
+                log.warning("%s; a restart would lose parameters that were set, and the time of signatures", error)
+            self._is_failing = True
+            return
+        if self._is_failing:
+            log.info("%s is written again", self._path)
+        self._is_failing = False
+
+    def _write(self) -> None:
+        state = self._persistence.state
+        with atomic_write(self._path) as file:
+            file.write(state_text(state))
+            file.flush()
+            os.fsync(file.fileno())
+        self._written = state
+
+
+def _read(path: Path) -> KeptState:
+    """The state that was kept, or a new one; a file that holds none is told and replaced."""
+    try:
+        return parse_state(path.read_bytes())
+    except FileNotFoundError:
+        return KeptState()
+    except OSError as error:
+        raise ConfigError(f"state.folder: cannot read {path}: {reason_of(error)}") from None
+    except ValueError as error:
+        log.warning("%s holds no state (%s): beginning anew", path, error)
+        return KeptState()
