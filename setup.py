@@ -26,6 +26,7 @@ CORE = [
     "filters",
     "estimation",
     "mavlink",
+    "logs/dataflash",
     "logs/tlog",
     "replay",
 ]

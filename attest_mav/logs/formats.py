@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from mmap import mmap
 from typing import Final
 
 from attest_mav.errors import UnreadableDataError
+from attest_mav.logs.dataflash.roles import DATAFLASH_ROLES
+from attest_mav.logs.dataflash.source import DataflashSource
 from attest_mav.logs.detect import HEAD_BYTES, LogFormat, require_format
-from attest_mav.logs.source import LogSource, MessageRoles
+from attest_mav.logs.source import LogBytes, LogSource, MessageRoles
 from attest_mav.logs.tlog.roles import TLOG_ROLES
 from attest_mav.logs.tlog.source import open_stream, open_tlog
 
@@ -18,7 +19,7 @@ class ReadableFormat:
 
     words: str
     """The format for people."""
-    open_source: Callable[[mmap | bytes], LogSource]
+    open_source: Callable[[LogBytes], LogSource]
     """Makes a source of the bytes of a log."""
     roles: MessageRoles
     """The messages of the format."""
@@ -27,11 +28,12 @@ class ReadableFormat:
 READABLE: Final[Mapping[LogFormat, ReadableFormat]] = {
     "tlog": ReadableFormat("a tlog", open_tlog, TLOG_ROLES),
     "mavlink": ReadableFormat("a bare MAVLink stream", open_stream, TLOG_ROLES),
+    "dataflash": ReadableFormat("a DataFlash log", DataflashSource, DATAFLASH_ROLES),
 }
-NOT_YET_READABLE: Final[Mapping[LogFormat, str]] = {"dataflash": "a DataFlash log", "ulog": "a ULog"}
+NOT_YET_READABLE: Final[Mapping[LogFormat, str]] = {"ulog": "a ULog"}
 
 
-def open_source(data: mmap | bytes, name: str) -> LogSource:
+def open_source(data: LogBytes, name: str) -> LogSource:
     """The source of a log with these bytes; UnreadableDataError names the file ``name`` if no format fits."""
     log_format = require_format(data[:HEAD_BYTES], name)
     readable = READABLE.get(log_format)

@@ -134,6 +134,16 @@ class Plan:
         return frozenset(name for name in names if name is not None)
 
 
+class LogBytes(Protocol):
+    """The bytes of a log, to be read in pieces: ``bytes``, a mapped file, or an open one."""
+
+    def __len__(self) -> int:
+        """Number of bytes."""
+
+    def __getitem__(self, span: slice, /) -> bytes:
+        """One piece of them."""
+
+
 class SampleBatch:
     """The samples of one stretch of a log, in order of time."""
 

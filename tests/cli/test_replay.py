@@ -204,7 +204,7 @@ def test_annotated_log_replays_like_the_original(attest_mav, tmp_path):
         ("text", "no log that is known here"),
         ("zip", "a zip archive"),
         ("zeros", "no log that is known here"),
-        ("dataflash", "a DataFlash log cannot be read yet"),
+        ("dataflash", "no IMU or IMU2"),
         ("ulog", "a ULog cannot be read yet"),
     ],
 )

@@ -36,7 +36,7 @@ class SensorReader:
         self.field_refusal = ""
         self.refused = 0
         self.note = row.note
-        self._quantum: Final = Quantum(row.gyro, row.accel, row.mag) if row.integer else EXACT
+        self._quantum: Final = _quantum(row)
         self._accel_check: Final = MagnitudeCheck(MIN_ACCEL_MPS2, MAX_ACCEL_MPS2, (1.0,))
         self._field_check: Final = MagnitudeCheck(MIN_FIELD_GAUSS, MAX_FIELD_GAUSS, row.field_powers)
         self._held: list[ImuSample] = []
@@ -147,6 +147,13 @@ def _expectation(sensor: str, check: MagnitudeCheck, unit: str, meaning: str) ->
         f"the {sensor} reads {check.median:.6g} {unit} (median of {check.WINDOW}), "
         f"expected {check.low:.3g} to {check.high:.3g} {unit} ({meaning}): wrong units or a faulty sensor"
     )
+
+
+def _quantum(row: UnitRow) -> Quantum:
+    """The resolution of the readings of a row."""
+    if row.integer:
+        return Quantum(row.gyro, row.accel, row.mag)
+    return Quantum(0.0, 0.0, row.mag) if row.integer_field else EXACT
 
 
 def _finite(accel: Vec3, gyro: Vec3) -> bool:

@@ -29,7 +29,8 @@ SATURATED_RAW: Final = 32440
 class UnitRow:
     """One row. accel: m/s^2 of one unit, gyro: rad/s, mag: gauss.
 
-    integer: the fields are int16, which have a range to saturate. field_powers: factors by which the magnetometer is
+    integer: the fields are int16, which have a range to saturate. integer_field: those of the magnetometer alone are.
+    field_powers: factors by which the magnetometer is
     known to come out wrong; the start-up check chooses among them, and none but 1 is taken without saying so.
     independent: the numbers owe nothing to the autopilot's estimator. has_field: the magnetometer is in the axes of the
     body, and calibrated. note: what a user should know.
@@ -39,6 +40,7 @@ class UnitRow:
     gyro: float
     mag: float
     integer: bool
+    integer_field: bool = False
     field_powers: tuple[float, ...] = (1.0,)
     independent: bool = True
     has_field: bool = True
@@ -76,6 +78,12 @@ _HIGHRES_PX4: Final = UnitRow(
     independent=False,
     note="the autopilot's own bias estimates are subtracted: not independent of its estimator",
 )
+
+DATAFLASH_IMU: Final = UnitRow(
+    1.0, 1.0, MILLI, integer=False, integer_field=True, note="calibrated and low-passed by the autopilot"
+)
+"""IMU of ArduPilot's DataFlash logs with the field of MAG: as RAW_IMU, but gyro and accelerometer are not rounded. The
+compass's mean is written when it is complete, as RAW_IMU shows it first."""
 
 
 def unit_row(message: str, autopilot: int, raw_scales: RawScales | None) -> UnitRow | None:

@@ -1,0 +1,17 @@
+"""The uses of DataFlash records in a recorded flight."""
+
+from typing import Final
+
+from attest_mav.estimation.body_frames import CORE_QUATERNIONS, CORES
+from attest_mav.logs.dataflash.streams import SENSORS
+from attest_mav.logs.source import MessageRoles
+
+DATAFLASH_ROLES: Final = MessageRoles(
+    inertial=SENSORS["IMU"],
+    truth=("SIM",),
+    reference=("SIM", "ATT"),
+    named_reference=("SIM", "ATT", *CORE_QUATERNIONS, *CORES, "AHR2", "DCM"),
+    autopilot=("ATT",),
+    untimed=(),
+)
+"""A simulator's truth precedes the autopilot's attitude."""
