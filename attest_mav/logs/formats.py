@@ -6,7 +6,7 @@ from typing import Final
 
 from attest_mav.errors import UnreadableDataError
 from attest_mav.logs.dataflash.roles import DATAFLASH_ROLES
-from attest_mav.logs.dataflash.source import DataflashSource
+from attest_mav.logs.dataflash.source import DataflashSource, TextSource
 from attest_mav.logs.detect import HEAD_BYTES, LogFormat, require_format
 from attest_mav.logs.source import LogBytes, LogSource, MessageRoles
 from attest_mav.logs.tlog.roles import TLOG_ROLES
@@ -29,6 +29,7 @@ READABLE: Final[Mapping[LogFormat, ReadableFormat]] = {
     "tlog": ReadableFormat("a tlog", open_tlog, TLOG_ROLES),
     "mavlink": ReadableFormat("a bare MAVLink stream", open_stream, TLOG_ROLES),
     "dataflash": ReadableFormat("a DataFlash log", DataflashSource, DATAFLASH_ROLES),
+    "dataflash-text": ReadableFormat("a DataFlash log in text", TextSource, DATAFLASH_ROLES),
 }
 NOT_YET_READABLE: Final[Mapping[LogFormat, str]] = {"ulog": "a ULog"}
 

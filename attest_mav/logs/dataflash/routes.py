@@ -1,66 +1,44 @@
 """Routes: for each type of record of a log, the readers of its streams, bound to the columns that the log has."""
 
 from collections.abc import Mapping, Sequence
-from math import isfinite
 from typing import Final
 
 from mypy_extensions import i64
 
 from attest_mav.logs.dataflash.reader import RecordReader
+from attest_mav.logs.dataflash.record_clock import RecordClock
 from attest_mav.logs.dataflash.record_format import RecordFormat
-from attest_mav.logs.dataflash.selection import Selection
+from attest_mav.logs.dataflash.selection import Selection, time_column
 from attest_mav.logs.dataflash.streams import number_column, streams_of
 from attest_mav.logs.dataflash.units import UnitTable
 from attest_mav.samples import Sample
 
-LATEST_NS: Final = 9.0e18
-"""A later time since boot (286 years) is none; this also keeps nanoseconds within 64 bits."""
-
-CLOCK_BACK_NS: Final = 1_000_000_000
-"""A time further back than this is a restarted clock; one less far back is out of order."""
-
-
-class RecordClock:
-    """The time of the newest record, which records without a time get, ns."""
-
-    def __init__(self) -> None:
-        self.now_ns = 0
-        self.span_ns = 0
-        """Time from the first record to the newest one. A restart of the clock adds none."""
-        self._latest_ns = -1
-
-    def at(self, t_ns: float) -> int:
-        """The time of a record with this one, or with none (NaN)."""
-        if isfinite(t_ns) and 0.0 <= t_ns < LATEST_NS:
-            self.now_ns = int(t_ns)
-            self._follow(self.now_ns)
-        return self.now_ns
-
-    def _follow(self, t_ns: int) -> None:
-        ahead_ns = t_ns - self._latest_ns
-        if self._latest_ns >= 0 and ahead_ns > 0:
-            self.span_ns += ahead_ns
-        if ahead_ns > 0 or ahead_ns < -CLOCK_BACK_NS:
-            self._latest_ns = t_ns
+PACER: Final = "IMU"
+"""The stream whose records, where they have no time, pace the clock."""
 
 
 class Binding:
-    """A reader with the selection of its columns out of one type of record."""
+    """A reader with the selection of its columns out of one type of record. paces: its records pace a clock."""
 
-    def __init__(self, reader: RecordReader, selection: Selection, clock: RecordClock) -> None:
+    def __init__(self, reader: RecordReader, selection: Selection, clock: RecordClock, paces: bool) -> None:
         self._reader: Final = reader
         self._selection: Final = selection
         self._clock: Final = clock
+        self._paces: Final = paces
         self._has_texts: Final = bool(reader.texts)
 
     def take(self, data: bytes, at: int) -> list[Sample]:
         """The samples of the record at this place."""
+        if self._paces:
+            self._clock.tick()
         numbers = self._selection.numbers(data, at)
         texts = self._selection.texts(data, at) if self._has_texts else []
         return self._reader.read(self._clock.at(numbers[0]), numbers, texts)
 
     def take_line(self, fields: Sequence[str]) -> list[Sample]:
         """The samples of the record in these fields of a line."""
+        if self._paces:
+            self._clock.tick()
         numbers = self._selection.line_numbers(fields)
         texts = self._selection.line_texts(fields) if self._has_texts else []
         return self._reader.read(self._clock.at(numbers[0]), numbers, texts)
@@ -96,10 +74,13 @@ class Route:
 
 
 class Router:
-    """Makes the routes of the types that a log describes. readers: by the names of the streams that are wanted."""
+    """Makes the routes of the types that a log describes.
 
-    def __init__(self, readers: Mapping[str, RecordReader], units: UnitTable) -> None:
-        self.clock: Final = RecordClock()
+    readers: by the names of the streams that are wanted. pace_ns: interval of inertial records without a time, ns.
+    """
+
+    def __init__(self, readers: Mapping[str, RecordReader], units: UnitTable, pace_ns: float = 0.0) -> None:
+        self.clock: Final = RecordClock(pace_ns)
         self.units: Final = units
         self._readers: Final = dict(readers)
         self._routes: Final[list[Route]] = []
@@ -130,4 +111,4 @@ class Router:
         if reader is None or not record_format.is_readable:
             return None
         selection = Selection(record_format, reader.columns, reader.texts, self.units)
-        return Binding(reader, selection, self.clock)
+        return Binding(reader, selection, self.clock, stream == PACER and time_column(record_format)[0] < 0)

@@ -15,12 +15,13 @@ MILLI_NS: Final = 1e6
 def time_column(record_format: RecordFormat) -> tuple[int, float]:
     """The column with the time since boot, and one unit of it in ns; (-1, 0) for a record without.
 
-    Firmware before 3.3 gives milliseconds. Its GPS record has the time of the week there, and that since boot in T.
+    Firmware before 3.3 gives milliseconds. Its GPS record has the time of the week there, and that since boot in T;
+    before 3.1 the time of the week, called Time, is the only time in a log.
     """
     if record_format.index("TimeUS") >= 0:
         return record_format.index("TimeUS"), MICRO_NS
-    is_receiver = record_format.name.startswith("GPS")
-    index = record_format.index("T" if is_receiver else "TimeMS")
+    names = ("T", "Time") if record_format.name.startswith("GPS") else ("TimeMS",)
+    index = next((record_format.index(name) for name in names if record_format.index(name) >= 0), -1)
     return (index, MILLI_NS) if index >= 0 else (-1, 0.0)
 
 
@@ -36,6 +37,7 @@ class Selection:
         is_number = [at >= 0 and not CODES[record_format.codes[at]].is_text for at in places]
         self._places: Final = [at if fits else -1 for at, fits in zip(places, is_number, strict=True)]
         self._factors: Final = factors
+        self._last: Final = len(record_format.columns) - 1
         self._texts: Final = [record_format.index(name) for name in texts]
         self._line_factors: Final = [
             factor / CODES[record_format.codes[at]].scale if at >= 0 else 1.0
@@ -64,7 +66,8 @@ class Selection:
 
     def line_texts(self, fields: Sequence[str]) -> list[str]:
         """The texts of a line; the last column takes the rest of it, commas and all."""
-        return [", ".join(fields[at:]) if 0 <= at < len(fields) else "" for at in self._texts]
+        last = self._last
+        return [", ".join(fields[at : None if at == last else at + 1]) if at >= 0 else "" for at in self._texts]
 
 
 def _factor(record_format: RecordFormat, column: Column, units: UnitTable) -> float:

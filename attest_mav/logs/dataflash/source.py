@@ -4,12 +4,14 @@ from collections.abc import Iterator
 from typing import Final, Protocol
 
 from attest_mav.errors import UnreadableDataError
+from attest_mav.logs.dataflash.damage import Damage
 from attest_mav.logs.dataflash.readers import FlightReaders
 from attest_mav.logs.dataflash.roles import DATAFLASH_ROLES
 from attest_mav.logs.dataflash.routes import Router
 from attest_mav.logs.dataflash.streams import SENSORS
 from attest_mav.logs.dataflash.survey import Survey
-from attest_mav.logs.dataflash.walker import Damage, RecordWalker
+from attest_mav.logs.dataflash.text_walker import TextWalker
+from attest_mav.logs.dataflash.walker import RecordWalker
 from attest_mav.logs.facts import velocity_lack
 from attest_mav.logs.source import EXPECTED, LogBytes, LogSummary, Plan, Progress, SampleBatch, VehicleSummary
 from attest_mav.logs.windows import read_windows
@@ -45,11 +47,9 @@ class Walker(Protocol):
 class DataflashSource:
     """The ``LogSource`` of a binary DataFlash log."""
 
-    log_format: str = "dataflash"
-    words: str = "DataFlash log"
-
-    def __init__(self, data: LogBytes) -> None:
+    def __init__(self, data: LogBytes, log_format: str = "dataflash") -> None:
         self._data: Final = data
+        self._log_format: Final = log_format
         self._survey = Survey()
         self._damage = Damage()
         self._readers: FlightReaders | None = None
@@ -67,10 +67,10 @@ class DataflashSource:
             if progress is not None:
                 progress(walker.position / len(self._data))
         if not walker.records:
-            raise UnreadableDataError(f"this is no {self.words}: it has no record; expected {EXPECTED}")
+            raise UnreadableDataError(f"this DataFlash log has no record; expected {EXPECTED}")
         self._survey, self._damage, self._counts = survey, walker.damage, survey.router.counts()
         return LogSummary(
-            log_format=self.log_format,
+            log_format=self._log_format,
             roles=DATAFLASH_ROLES,
             messages=walker.records,
             bad_bytes=walker.damage.total,
@@ -98,7 +98,7 @@ class DataflashSource:
         """Second pass, some samples at a time."""
         readers = FlightReaders(plan, self._survey, self._counts)
         self._readers = readers
-        walker = self._walker(Router(readers.readers, self._survey.units))
+        walker = self._walker(Router(readers.readers, self._survey.units, self._survey.pace_ns))
         length = len(self._data)
         for samples in read_windows(self._data, walker):
             share = walker.position / length
@@ -125,3 +125,14 @@ class DataflashSource:
             return []
         sensor = self._readers.sensor
         return [reason for reason in (sensor.refusal, sensor.field_refusal) if reason]
+
+
+class TextSource(DataflashSource):
+    """The source of a DataFlash log in text."""
+
+    def __init__(self, data: LogBytes) -> None:
+        super().__init__(data, "dataflash-text")
+
+    def _walker(self, router: Router) -> Walker:
+        """A walker over this log."""
+        return TextWalker(router)

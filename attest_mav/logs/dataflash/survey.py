@@ -67,6 +67,11 @@ class Survey:
         """Time from the first to the last record, s."""
         return self.router.clock.span_ns * 1e-9
 
+    @property
+    def pace_ns(self) -> float:
+        """Interval of inertial records without a time, ns; 0 where they have one."""
+        return self.router.clock.mean_pace_ns()
+
     def begin(self) -> VehicleState:
         """The vehicle at the begin of the log; armed where nothing tells it, which allows any motion."""
         armed = self.state.armed_at_first

@@ -12,6 +12,7 @@ from typing import Final
 
 from mypy_extensions import i64
 
+from attest_mav.logs.dataflash.damage import Damage
 from attest_mav.logs.dataflash.record_format import FORMAT_BYTES, FORMAT_TYPE, HEADER_BYTES, parse_format
 from attest_mav.logs.dataflash.routes import Route, Router
 from attest_mav.logs.dataflash.selection import time_column
@@ -22,33 +23,7 @@ MARGIN: Final = 1024
 """More than the longest stretch that deciding on one record looks ahead: three records of at most 255 bytes."""
 LONGEST_GAP_NS: Final = 60_000_000_000
 """A record between damage on both sides is no more than this away from the newest one in time."""
-SHOWN: Final = 3
-"""The places of so many damages are kept."""
 _NUMBERS: Final = {"Q": Struct("<Q"), "I": Struct("<I")}
-
-
-class Damage:
-    """Bytes of a log that belong to no intact record."""
-
-    def __init__(self) -> None:
-        self.total = 0
-        self.places = 0
-        self.first: Final[list[tuple[int, int]]] = []
-        """Offset and length of the first ``SHOWN`` of them."""
-        self._end = -1
-
-    def add(self, offset: int, size: int) -> None:
-        """Take the next damage; one that goes on from the last one is the same."""
-        self.total += size
-        if offset == self._end:
-            if self.places <= SHOWN:
-                begin, length = self.first[-1]
-                self.first[-1] = (begin, length + size)
-        else:
-            self.places += 1
-            if self.places <= SHOWN:
-                self.first.append((offset, size))
-        self._end = offset + size
 
 
 class RecordWalker:
