@@ -28,6 +28,7 @@ CORE = [
     "mavlink",
     "logs/dataflash",
     "logs/tlog",
+    "logs/ulog",
     "replay",
 ]
 

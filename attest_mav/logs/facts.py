@@ -16,6 +16,7 @@ class FlightFacts:
     """The first or last samples of each kind."""
 
     def __init__(self) -> None:
+        self.heartbeat: HeartbeatSample | None = None
         self.firmware: FirmwareSample | None = None
         self.position: PositionSample | None = None
         """The first one; a receiver's rather than another."""
@@ -39,6 +40,8 @@ class FlightFacts:
             self._take_position(sample)
         elif isinstance(sample, FirmwareSample):
             self.firmware = self.firmware or sample
+        elif isinstance(sample, HeartbeatSample):
+            self.heartbeat = self.heartbeat or sample
         elif isinstance(sample, ClockSample):
             self.unix_us = sample.unix_us if self.unix_us is None else self.unix_us
 

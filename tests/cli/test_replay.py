@@ -205,7 +205,7 @@ def test_annotated_log_replays_like_the_original(attest_mav, tmp_path):
         ("zip", "a zip archive"),
         ("zeros", "no log that is known here"),
         ("dataflash", "no IMU or IMU2"),
-        ("ulog", "a ULog cannot be read yet"),
+        ("ulog", "this ULog has no message"),
     ],
 )
 def test_files_that_are_no_tlog_are_named_for_what_they_are(attest_mav, wrong_file, kind, words):

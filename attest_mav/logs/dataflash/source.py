@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Final, Protocol
 
 from attest_mav.errors import UnreadableDataError
-from attest_mav.logs.dataflash.damage import Damage
+from attest_mav.logs.damage import Damage
 from attest_mav.logs.dataflash.readers import FlightReaders
 from attest_mav.logs.dataflash.roles import DATAFLASH_ROLES
 from attest_mav.logs.dataflash.routes import Router
@@ -109,12 +109,7 @@ class DataflashSource:
     def notes(self, plan: Plan) -> list[str]:
         """Remarks on the sensor, and on the damage."""
         notes = [] if self._readers is None else [f"{plan.imu}: {self._readers.sensor.note}"]
-        damage = self._damage
-        if damage.total:
-            places = ", ".join(f"{size} at byte {offset}" for offset, size in damage.first)
-            rest = " and others" if damage.places > len(damage.first) else ""
-            notes.append(f"bytes that belong to no intact record: {damage.total} ({places}{rest})")
-        return notes
+        return [*notes, self._damage.note()] if self._damage.total else notes
 
     def refusals(self, plan: Plan) -> list[str]:
         """Reasons of the sensor's checks, or too few records for them."""

@@ -7,7 +7,7 @@ from codecs import IncrementalDecoder, getincrementaldecoder
 from collections.abc import Sequence
 from typing import Final
 
-from attest_mav.logs.dataflash.damage import Damage
+from attest_mav.logs.damage import Damage
 from attest_mav.logs.dataflash.record_format import made_format
 from attest_mav.logs.dataflash.routes import Route, Router
 from attest_mav.logs.detect import BYTE_ORDER_MARKS

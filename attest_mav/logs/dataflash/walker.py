@@ -12,7 +12,7 @@ from typing import Final
 
 from mypy_extensions import i64
 
-from attest_mav.logs.dataflash.damage import Damage
+from attest_mav.logs.damage import Damage
 from attest_mav.logs.dataflash.record_format import FORMAT_BYTES, FORMAT_TYPE, HEADER_BYTES, parse_format
 from attest_mav.logs.dataflash.routes import Route, Router
 from attest_mav.logs.dataflash.selection import time_column

@@ -45,17 +45,20 @@ class SensorReader:
         self._last_t_ns = 0
         self._turn_rad = 0.0
 
-    def accept(self, t_ns: int, rx_ns: int, accel: Vec3, gyro: Vec3, field: Vec3, field_sent: bool) -> list[Sample]:
+    def accept(
+        self, t_ns: int, rx_ns: int, accel: Vec3, gyro: Vec3, field: Vec3, field_sent: bool, clipped: bool = False
+    ) -> list[Sample]:
         """Samples from one reading in the message's own units; none while the start-up checks hold it back, then all.
 
-        field_sent: False when the message says that its magnetometer fields are not new.
+        field_sent: False when the message says that its magnetometer fields are not new. clipped: True when it says
+        that a sensor has reached the end of its range.
         """
         row = self.row
         if not _finite(accel, gyro):
             return self._refuse("a reading is not finite")
         if _is_zero(accel) and _is_zero(gyro):
             return self._refuse("it carries no accelerometer and no gyro (all zero)")
-        saturated = row.integer and (_largest(accel) >= SATURATED_RAW or _largest(gyro) >= SATURATED_RAW)
+        is_full = row.integer and (_largest(accel) >= SATURATED_RAW or _largest(gyro) >= SATURATED_RAW)
         rates = (gyro[0] * row.gyro, gyro[1] * row.gyro, gyro[2] * row.gyro)
         has_field = row.has_field and self._is_fresh(field, t_ns, rates) and field_sent
         settled = self._accel_check.passed and (self._field_check.passed or not has_field)
@@ -72,7 +75,7 @@ class SensorReader:
             rates,
             (accel[0] * row.accel, accel[1] * row.accel, accel[2] * row.accel),
             mag,
-            saturated,
+            clipped or is_full,
             self._quantum,
         )
         if not settled:

@@ -85,6 +85,9 @@ DATAFLASH_IMU: Final = UnitRow(
 """IMU of ArduPilot's DataFlash logs with the field of MAG: as RAW_IMU, but gyro and accelerometer are not rounded. The
 compass's mean is written when it is complete, as RAW_IMU shows it first."""
 
+ULOG_IMU: Final = UnitRow(1.0, 1.0, 1.0, integer=False, note="calibrated by the autopilot, means without a low-pass")
+"""sensor_combined and vehicle_imu of PX4's ULogs with the field of vehicle_magnetometer."""
+
 
 def unit_row(message: str, autopilot: int, raw_scales: RawScales | None) -> UnitRow | None:
     """The row for an inertial message from an autopilot (MAV_AUTOPILOT); None when the numbers have no known meaning.

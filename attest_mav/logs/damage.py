@@ -28,3 +28,9 @@ class Damage:
             if self.places <= SHOWN:
                 self.first.append((offset, size))
         self._end = offset + size
+
+    def note(self) -> str:
+        """The remark for people."""
+        places = ", ".join(f"{size} at byte {offset}" for offset, size in self.first)
+        rest = " and others" if self.places > len(self.first) else ""
+        return f"bytes that belong to no intact record: {self.total} ({places}{rest})"
