@@ -20,7 +20,7 @@ VehicleId = tuple[int, int]
 Progress = Callable[[float], None]
 """Is called with the share of the work done, 0 to 1."""
 
-EXPECTED: Final = "a tlog, a DataFlash log (.bin) or a ULog"
+EXPECTED: Final = "a tlog, a DataFlash log (.bin, .log) or a ULog"
 """The log formats, for error messages."""
 
 

@@ -12,6 +12,7 @@ from types import TracebackType
 from typing import IO, TYPE_CHECKING, Self
 
 from attest_mav.errors import ConfigError, UnreadableDataError, UnwritableError
+from attest_mav.runtime.archives import unpacked
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
@@ -48,9 +49,12 @@ class OpenedLog:
 
 @contextmanager
 def open_log(path: str | Path) -> Iterator[OpenedLog]:
-    """The file's bytes, read when they are asked for; UnreadableDataError says why there are none."""
+    """The bytes of a log, or of the one in an archive, read when they are asked for.
+
+    UnreadableDataError says why there are none.
+    """
     try:
-        file = open(path, "rb", buffering=0, opener=_open_without_waiting)  # noqa: SIM115 (closed below)
+        file = open(path, "rb", opener=_open_without_waiting)  # noqa: SIM115 (closed below)
     except OSError as error:
         raise UnreadableDataError(f"cannot read {path}: {_reason(error)}") from None
     with file:
@@ -59,7 +63,11 @@ def open_log(path: str | Path) -> Iterator[OpenedLog]:
             raise UnreadableDataError(f"{path} is not a regular file; expected a log")
         if status.st_size == 0:
             raise UnreadableDataError(f"{path} is empty; expected a log")
-        yield OpenedLog(file.fileno(), status.st_size)
+        with unpacked(file, path) as log:
+            size = os.fstat(log.fileno()).st_size
+            if size == 0:
+                raise UnreadableDataError(f"{path} holds an empty file; expected a log")
+            yield OpenedLog(log.fileno(), size)
 
 
 def _open_without_waiting(path: str, flags: int) -> int:

@@ -202,7 +202,7 @@ def test_annotated_log_replays_like_the_original(attest_mav, tmp_path):
         ("empty", "is empty"),
         ("png", "PNG picture"),
         ("text", "no log that is known here"),
-        ("zip", "a zip archive"),
+        ("zip", "the zip archive is damaged"),
         ("zeros", "no log that is known here"),
         ("dataflash", "no IMU or IMU2"),
         ("ulog", "this ULog has no message"),
