@@ -25,6 +25,7 @@ from attest_mav.mavlink.decode.sensor_reader import SensorReader
 from attest_mav.mavlink.decode.units import ULOG_IMU, MagnitudeCheck
 from attest_mav.types import AttitudeRole
 from attest_mav.vehicle_reports import HeartbeatSample
+from attest_mav.vehicle_settings import Setting
 
 BATCH: Final = 256
 """Samples handed over at a time: many against the cost of a batch, few enough to stay in the cache."""
@@ -69,6 +70,7 @@ class UlogSource:
     def _vehicle(self) -> VehicleSummary:
         facts = self._facts
         heartbeat = facts.heartbeat or UNKNOWN
+        assumed = facts_of_firmware(MAV_AUTOPILOT_PX4, heartbeat.vehicle_type)
         return VehicleSummary(
             vehicle=VEHICLE,
             is_autopilot=True,
@@ -77,7 +79,7 @@ class UlogSource:
             in_simulator=False,
             position=facts.position,
             velocity_lack="" if facts.velocities else velocity_lack(self._counts, RECEIVERS),
-            settings=facts.settings(facts_of_firmware(MAV_AUTOPILOT_PX4, heartbeat.vehicle_type)),
+            settings=facts.settings(assumed.updated(Setting.FIELD_DELAY_S, ULOG_IMU.field_delay_s)),
             parameters=facts.parameters,
             opening=facts.opening(heartbeat),
             date=facts.date,

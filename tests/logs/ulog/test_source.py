@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from attest_mav.errors import UnreadableDataError
 from attest_mav.filters.gradient_descent.filter import GradientDescent
+from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.logs.formats import open_source
 from attest_mav.logs.source import Plan
 from attest_mav.logs.ulog.source import UlogSource
@@ -156,6 +157,9 @@ def test_parameters_and_their_changes(writer):
     vehicle = UlogSource(writer.data).summary().vehicles[1, 1]
     assert vehicle.settings.get(Setting.FIX_DELAY_S) == pytest.approx(0.06)
     assert vehicle.settings.get(Setting.LOW_PASS_HZ) == 0.0
+    informed = VelocityAided().with_vehicle_settings(vehicle.settings).parameters
+    assert (informed.fix_delay_s, informed.low_pass_hz) == (pytest.approx(0.06), 0.0)
+    assert informed.mag_delay_s < VelocityAided().parameters.mag_delay_s
 
 
 def test_a_vehicle_that_says_nothing_may_be_under_way(log):
