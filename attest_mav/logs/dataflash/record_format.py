@@ -72,6 +72,16 @@ class RecordFormat:
         self.is_readable: Final = bool(sizes) and HEADER_BYTES + sum(sizes) <= length
         """False where the letters do not fit the length: such records are passed over."""
 
+    def equals(self, other: "RecordFormat") -> bool:
+        """True for the same description: a log repeats them when it goes on in a new file, and so do joined logs."""
+        return (self.record_type, self.length, self.name, self.codes, self.columns) == (
+            other.record_type,
+            other.length,
+            other.name,
+            other.codes,
+            other.columns,
+        )
+
     def index(self, column: str) -> int:
         """Place of a column among all, -1 where there is none, or none with a letter."""
         found = self.columns.index(column) if column in self.columns else -1

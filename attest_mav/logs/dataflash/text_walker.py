@@ -83,7 +83,9 @@ class TextWalker:
             return None
         name = fields[3]
         described = made_format(int(fields[1]), int(fields[2]), name, fields[4], ",".join(fields[COLUMNS_AT:]))
-        self._routes[name] = self._router.route(described)
+        known = self._routes.get(name)
+        if known is None or not known.record_format.equals(described):
+            self._routes[name] = self._router.route(described)
         return self._routes.setdefault(FORMAT, self._router.route(FORMAT_OF_FORMATS))
 
 

@@ -72,16 +72,23 @@ class RecordWalker:
         data = self._data
         route = self._routes[data[at + 2]]
         if data[at + 2] == FORMAT_TYPE:
-            described = parse_format(data[at + HEADER_BYTES : at + FORMAT_BYTES])
-            if described is not None:
-                self._routes[described.record_type] = self._router.route(described)
-                route = self._routes[FORMAT_TYPE]
+            self._describe(at)
+            route = self._routes[FORMAT_TYPE]
         if route is None:
             return
         place = route.number_at
         binding = route.binding(0 if place < 0 else data[at + place])
         if binding is not None:
             samples.extend(binding.take(data, at))
+
+    def _describe(self, at: i64) -> None:
+        """Take the description at this place, unless it is known."""
+        described = parse_format(self._data[at + HEADER_BYTES : at + FORMAT_BYTES])
+        if described is None:
+            return
+        known = self._routes[described.record_type]
+        if known is None or not known.record_format.equals(described):
+            self._routes[described.record_type] = self._router.route(described)
 
     def _intact(self, at: i64) -> i64:
         """Length of the intact record that begins here, 0 if none does."""
