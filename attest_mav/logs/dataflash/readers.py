@@ -14,6 +14,7 @@ from attest_mav.logs.dataflash.survey import Survey
 from attest_mav.logs.dataflash.vehicle_readers import (
     ArmReader,
     ErrorReader,
+    EstimatorReader,
     EventReader,
     ModeReader,
     ParameterReader,
@@ -61,6 +62,9 @@ class FlightReaders:
         self.readers["MSG"] = TextReader()
         self.readers["VER"] = VersionReader()
         self.readers["ERR"] = ErrorReader()
+        for name in ("XKF4", "NKF4"):
+            self.readers[name] = EstimatorReader(name)
+        self.readers.setdefault("AHR2", attitude_reader("AHR2"))
 
 
 def compass_of(imu: str, counts: Mapping[str, int]) -> str:

@@ -1,18 +1,26 @@
-"""The readers of the vehicle's state and of its words: MODE, ARM, EV, STAT; PARM, MSG, VER, ERR."""
+"""The readers of the vehicle's state and of its words: MODE, ARM, EV, STAT; PARM, MSG, VER, ERR, XKF4."""
 
 from math import isfinite
 from typing import Final
 
 from attest_mav.logs.dataflash.reader import COMPONENT, SYSTEM, RecordReader
 from attest_mav.logs.dataflash.units import Column
-from attest_mav.mavlink.constants import MAV_AUTOPILOT_ARDUPILOTMEGA, MAV_STATE_ACTIVE, MAV_STATE_STANDBY
+from attest_mav.mavlink.constants import (
+    EKF_ATTITUDE,
+    EKF_GPS_GLITCHING,
+    MAV_AUTOPILOT_ARDUPILOTMEGA,
+    MAV_STATE_ACTIVE,
+    MAV_STATE_STANDBY,
+)
 from attest_mav.mavlink.decode.autopilot_parameters import parameters_of
 from attest_mav.mavlink.decode.firmware import banner_type, text_samples
+from attest_mav.mavlink.decode.self_report_readers import ARDUPILOT_LIMIT
 from attest_mav.mavlink.decode.vehicle_kinds import vehicle_kind
 from attest_mav.samples import Sample
 from attest_mav.vehicle_reports import (
     EstimatorNews,
     EstimatorNewsSample,
+    EstimatorStatusSample,
     FirmwareSample,
     HeartbeatSample,
     LandedSample,
@@ -182,3 +190,36 @@ class ErrorReader(RecordReader):
             return []
         found = ESTIMATOR_ERRORS.get((int(numbers[1]), int(numbers[2])))
         return [] if found is None else [EstimatorNewsSample("ERR", SYSTEM, COMPONENT, t_ns, found[0], found[1])]
+
+
+class EstimatorReader(RecordReader):
+    """XKF4, NKF4: the estimator on itself, of the core that flies. Its numbers are those of EKF_STATUS_REPORT."""
+
+    def __init__(self, source: str) -> None:
+        super().__init__([Column(name) for name in ("C", "PI", "SS", "SV", "SP", "SH", "SM", "SVT")])
+        self._source: Final = source
+
+    def read(self, t_ns: int, numbers: list[float], texts: list[str]) -> list[Sample]:
+        """One EstimatorStatusSample; before 3.5 there is no number of the core, and the record is the primary's."""
+        core, primary, flags = numbers[1], numbers[2], numbers[3]
+        if not isfinite(flags) or (isfinite(core) and core != primary):
+            return []
+        is_valid, is_glitch = int(flags) & EKF_ATTITUDE != 0, int(flags) & EKF_GPS_GLITCHING != 0
+        ratios = numbers[4:]
+        return [
+            EstimatorStatusSample(
+                self._source,
+                SYSTEM,
+                COMPONENT,
+                t_ns,
+                is_valid,
+                is_glitch,
+                False,
+                ratios[0],
+                ratios[1],
+                ratios[2],
+                ratios[3],
+                ratios[4],
+                ARDUPILOT_LIMIT,
+            )
+        ]

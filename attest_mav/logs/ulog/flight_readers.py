@@ -6,6 +6,9 @@ from typing import Final
 from attest_mav.algebra import is_finite, q_unit
 from attest_mav.logs.ulog.reader import COMPONENT, SAMPLE_TIME, SYSTEM, TIME, TopicReader
 from attest_mav.mavlink.constants import (
+    ESTIMATOR_ACCEL_ERROR,
+    ESTIMATOR_ATTITUDE,
+    ESTIMATOR_GPS_GLITCH,
     GPS_FIX_TYPE_3D_FIX,
     MAV_AUTOPILOT_PX4,
     MAV_STATE_ACTIVE,
@@ -15,10 +18,11 @@ from attest_mav.mavlink.constants import (
 )
 from attest_mav.mavlink.decode.attitude_readers import is_attitude
 from attest_mav.mavlink.decode.motion_readers import receiver_sigma
+from attest_mav.mavlink.decode.self_report_readers import RATIO_LIMIT
 from attest_mav.mavlink.decode.vehicle_kinds import vehicle_kind
 from attest_mav.samples import AirDataSample, AttitudeSample, PositionSample, Sample, VelocitySample
 from attest_mav.types import AirspeedSource, AttitudeForm, AttitudeRole, Quat, Vec3, VelocityOrigin
-from attest_mav.vehicle_reports import ClockSample, HeartbeatSample, LandedSample
+from attest_mav.vehicle_reports import ClockSample, EstimatorStatusSample, HeartbeatSample, LandedSample
 
 ARMED: Final = 2.0
 """Value of vehicle_status.arming_state."""
@@ -129,3 +133,38 @@ class LandedReader(TopicReader):
             return []
         self._landed = landed
         return [LandedSample("vehicle_land_detected", SYSTEM, COMPONENT, t_ns, landed != 0.0)]
+
+
+class EstimatorReader(TopicReader):
+    """estimator_status: the estimator on itself. Its numbers are those of ESTIMATOR_STATUS."""
+
+    def __init__(self) -> None:
+        ratios = [f"{name}_test_ratio" for name in ("vel", "pos", "hgt", "mag", "tas")]
+        super().__init__([TIME, "solution_status_flags", *ratios])
+
+    def read(self, t_ns: int, numbers: list[float]) -> list[Sample]:
+        """One EstimatorStatusSample."""
+        if not isfinite(numbers[1]):
+            return []
+        flags = int(numbers[1])
+        is_valid, is_glitch, is_wrong = [
+            flags & bit != 0 for bit in (ESTIMATOR_ATTITUDE, ESTIMATOR_GPS_GLITCH, ESTIMATOR_ACCEL_ERROR)
+        ]
+        ratios, source = numbers[2:], "estimator_status"
+        return [
+            EstimatorStatusSample(
+                source,
+                SYSTEM,
+                COMPONENT,
+                t_ns,
+                is_valid,
+                is_glitch,
+                is_wrong,
+                ratios[0],
+                ratios[1],
+                ratios[2],
+                ratios[3],
+                ratios[4],
+                RATIO_LIMIT,
+            )
+        ]

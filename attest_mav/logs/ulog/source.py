@@ -9,6 +9,7 @@ from attest_mav.logs.source import EXPECTED, LogBytes, LogSummary, Plan, Progres
 from attest_mav.logs.ulog.flight_readers import (
     AirspeedReader,
     AttitudeReader,
+    EstimatorReader,
     LandedReader,
     ReceiverReader,
     StatusReader,
@@ -129,6 +130,7 @@ def flight_readers(plan: Plan, sensor: SensorReader, receiver: str) -> dict[str,
     readers: dict[str, TopicReader] = {**vehicle_readers(), plan.imu: imu, "vehicle_magnetometer": MagReader(field)}
     readers[receiver] = ReceiverReader(receiver)
     readers["airspeed"] = AirspeedReader()
+    readers["estimator_status"] = EstimatorReader()
     for name in plan.messages - {plan.imu}:
         own = AttitudeRole.AUTOPILOT if name == OWN else AttitudeRole.SECONDARY
         readers[name] = AttitudeReader(name, AttitudeRole.TRUTH if name in ULOG_ROLES.truth else own)

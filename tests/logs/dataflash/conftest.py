@@ -37,6 +37,8 @@ TIME_US = {
     "ERR": ("QBB", "TimeUS,Subsys,ECode"),
     "ARSP": ("QBffB", "TimeUS,I,Airspeed,DiffPress,H"),
     "ORGN": ("QBLLe", "TimeUS,Type,Lat,Lng,Alt"),
+    "XKF4": ("QBcccccHB", "TimeUS,C,SV,SP,SH,SM,SVT,SS,PI"),
+    "AHR2": ("QccC", "TimeUS,Roll,Pitch,Yaw"),
     "UNIT": ("QbZ", "TimeUS,Id,Label"),
     "MULT": ("Qbd", "TimeUS,Id,Mult"),
     "FMTU": ("QBNN", "TimeUS,FmtType,UnitIds,MultIds"),

@@ -15,7 +15,13 @@ from attest_mav.replay.report import as_json
 from attest_mav.replay.request import Outputs, Request, Window
 from attest_mav.samples import AirDataSample, AttitudeSample, ImuSample, PositionSample, VelocitySample
 from attest_mav.types import AirspeedSource, AttitudeRole, VehicleKind, VelocityOrigin
-from attest_mav.vehicle_reports import EstimatorNewsSample, HeartbeatSample, LandedSample, ParameterSample
+from attest_mav.vehicle_reports import (
+    EstimatorNewsSample,
+    EstimatorStatusSample,
+    HeartbeatSample,
+    LandedSample,
+    ParameterSample,
+)
 from attest_mav.vehicle_settings import Setting
 
 G = 9.80665
@@ -243,6 +249,25 @@ def test_airspeed_and_the_estimators_errors(writer):
     assert (air.airspeed, air.airspeed_source, isnan(air.groundspeed)) == (21.5, AirspeedSource.SENSOR, True)
     (news,) = samples_of(writer.data, kind=EstimatorNewsSample)
     assert "variance" in news.text
+
+
+def test_the_estimator_on_itself_is_that_of_the_core_that_flies(writer):
+    writer.begin()
+    writer.add("XKF4", TimeUS=1000, C=0, PI=1, SV=2.5, SS=1)
+    writer.add("XKF4", TimeUS=1000, C=1, PI=1, SV=0.25, SM=1.5, SS=0x8001)
+    (status,) = samples_of(writer.data, kind=EstimatorStatusSample)
+    assert (status.velocity, status.compass, status.limit) == (0.25, 1.5, 0.8)
+    assert (status.attitude_valid, status.receiver_glitch, status.accel_error) == (True, True, False)
+
+
+def test_the_secondary_estimator_is_quoted(writer):
+    writer.begin()
+    for k in range(200):
+        writer.instant(1_000_000 + 20_000 * k)
+        writer.add("AHR2", TimeUS=1_000_000 + 20_000 * k, Roll=20.0)
+    (ours,) = report(writer.data)["filters"]
+    quoted = [text for interval in ours["verdicts"] for text in interval["autopilot_reports"]]
+    assert "shows 20 deg of tilt between AHR2 and its own attitude" in quoted
 
 
 def test_the_units_are_those_that_the_log_tells(writer_of):

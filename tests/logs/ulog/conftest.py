@@ -25,6 +25,7 @@ FORMATS = {
     "vehicle_status": "uint64_t timestamp;uint8_t nav_state;uint8_t arming_state;uint8_t system_type;"
     "uint8_t[5] _padding0",
     "vehicle_land_detected": "uint64_t timestamp;bool landed;uint8_t[7] _padding0",
+    "estimator_status": "uint64_t timestamp;float vel_test_ratio;float mag_test_ratio;uint16_t solution_status_flags",
     "esc_report": "uint64_t timestamp;float rpm",
     "esc_status": "uint64_t timestamp;esc_report[2] esc;uint8_t count",
 }

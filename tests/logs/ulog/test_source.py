@@ -2,7 +2,7 @@
 
 import random
 import struct
-from math import cos, radians, sin
+from math import cos, isnan, radians, sin
 
 import pytest
 from hypothesis import given, settings
@@ -21,6 +21,7 @@ from attest_mav.samples import AirDataSample, AttitudeSample, ImuSample, Positio
 from attest_mav.types import AirspeedSource, AttitudeRole, VehicleKind
 from attest_mav.vehicle_reports import (
     EstimatorNewsSample,
+    EstimatorStatusSample,
     FirmwareSample,
     HeartbeatSample,
     LandedSample,
@@ -144,6 +145,15 @@ def test_the_vehicle(writer):
     (news,) = samples_of(writer.data, EstimatorNewsSample)
     assert (news.rx_ns, news.text) == (8_000_000, "Accel #1 fail:  TIMEOUT!")
     assert [one.version for one in samples_of(writer.data, FirmwareSample)] == [(1, 14, 3)]
+
+
+def test_the_estimator_on_itself(writer):
+    writer.flags()
+    flags = 1 | 1 << 10 | 1 << 11
+    writer.add("estimator_status", timestamp=9, vel_test_ratio=0.5, mag_test_ratio=2.0, solution_status_flags=flags)
+    (status,) = samples_of(writer.data, EstimatorStatusSample)
+    assert (status.attitude_valid, status.receiver_glitch, status.accel_error) == (True, True, True)
+    assert (status.velocity, status.compass, isnan(status.height), status.limit) == (0.5, 2.0, True, 1.0)
 
 
 def test_parameters_and_their_changes(writer):
