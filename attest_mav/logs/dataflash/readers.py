@@ -33,12 +33,15 @@ class FlightReaders:
     def __init__(self, plan: Plan, survey: Survey, counts: Mapping[str, int]) -> None:
         self.readers: Final[dict[str, RecordReader]] = {}
         """By the names of their streams."""
-        self.sensor: Final = SensorReader(plan.imu, SYSTEM, COMPONENT, DATAFLASH_IMU)
-        """The inertial sensor of the plan."""
-        compass = Compass()
-        self.readers[plan.imu] = ImuReader(self.sensor, compass)
-        self.readers[compass_of(plan.imu, counts)] = MagReader(compass)
-        for name in plan.messages - {plan.imu}:
+        self.sensors: Final[dict[str, SensorReader]] = {}
+        """The inertial sensors of the plan, by the same names."""
+        compasses = {name: Compass() for name in SENSORS["MAG"]}
+        for name in (plan.imu, *plan.other_sensors):
+            self.sensors[name] = SensorReader(name, SYSTEM, COMPONENT, DATAFLASH_IMU)
+            compass = compass_of(name, counts)
+            self.readers[name] = ImuReader(self.sensors[name], compasses[compass])
+            self.readers[compass] = MagReader(compasses[compass])
+        for name in plan.messages.difference(self.sensors):
             self.readers[name] = attitude_reader(name)
         self._add_motion(survey)
         self._add_vehicle(survey)

@@ -13,5 +13,6 @@ DATAFLASH_ROLES: Final = MessageRoles(
     named_reference=("SIM", "ATT", *CORE_QUATERNIONS, *CORES, "AHR2", "DCM"),
     autopilot=("ATT",),
     untimed=(),
+    other_sensors={name: tuple([other for other in SENSORS["IMU"] if other != name]) for name in SENSORS["IMU"]},
 )
 """A simulator's truth precedes the autopilot's attitude."""

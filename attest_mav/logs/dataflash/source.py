@@ -17,7 +17,7 @@ from attest_mav.logs.source import EXPECTED, LogBytes, LogSummary, Plan, Progres
 from attest_mav.logs.windows import read_windows
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_ARDUPILOTMEGA
 from attest_mav.mavlink.decode.autopilot_parameters import facts_of_firmware
-from attest_mav.mavlink.decode.units import MagnitudeCheck
+from attest_mav.mavlink.decode.units import DATAFLASH_IMU, MagnitudeCheck
 from attest_mav.samples import Sample
 
 BATCH: Final = 256
@@ -108,7 +108,7 @@ class DataflashSource:
 
     def notes(self, plan: Plan) -> list[str]:
         """Remarks on the sensor, and on the damage."""
-        notes = [] if self._readers is None else [f"{plan.imu}: {self._readers.sensor.note}"]
+        notes = [f"{plan.imu}: {DATAFLASH_IMU.note}"]
         return [*notes, self._damage.note()] if self._damage.total else notes
 
     def refusals(self, plan: Plan) -> list[str]:
@@ -118,7 +118,7 @@ class DataflashSource:
             return [f"{count} {plan.imu}, fewer than the {MagnitudeCheck.WINDOW} that are needed to know its units"]
         if self._readers is None:
             return []
-        sensor = self._readers.sensor
+        sensor = self._readers.sensors[plan.imu]
         return [reason for reason in (sensor.refusal, sensor.field_refusal) if reason]
 
 

@@ -6,8 +6,6 @@ from typing import Final
 from attest_mav.logs.dataflash.reader import COMPONENT, SYSTEM, RecordReader
 from attest_mav.logs.dataflash.units import Column
 from attest_mav.mavlink.constants import (
-    EKF_ATTITUDE,
-    EKF_GPS_GLITCHING,
     MAV_AUTOPILOT_ARDUPILOTMEGA,
     MAV_STATE_ACTIVE,
     MAV_STATE_STANDBY,
@@ -33,6 +31,9 @@ LANDED_EVENT: Final = 18
 FLYING_EVENT: Final = 28
 """Numbers of EV (AP_Logger.h, LogEvent)."""
 
+ATTITUDE_FLAG: Final = 1
+GLITCH_FLAG: Final = 1 << 14
+"""Bits of SS (AP_Nav_Common.h, nav_filter_status): there is an attitude, the receiver glitches."""
 ESTIMATOR_ERRORS: Final = {
     (16, 2): (EstimatorNews.VARIANCE, "EKF check: bad variance"),
     (17, 1): (EstimatorNews.VARIANCE, "EKF failsafe"),
@@ -193,7 +194,10 @@ class ErrorReader(RecordReader):
 
 
 class EstimatorReader(RecordReader):
-    """XKF4, NKF4: the estimator on itself, of the core that flies. Its numbers are those of EKF_STATUS_REPORT."""
+    """XKF4, NKF4: the estimator on itself, of the core that flies.
+
+    Its ratios are the variances of EKF_STATUS_REPORT; its flags (SS) have an order of their own.
+    """
 
     def __init__(self, source: str) -> None:
         super().__init__([Column(name) for name in ("C", "PI", "SS", "SV", "SP", "SH", "SM", "SVT")])
@@ -204,7 +208,7 @@ class EstimatorReader(RecordReader):
         core, primary, flags = numbers[1], numbers[2], numbers[3]
         if not isfinite(flags) or (isfinite(core) and core != primary):
             return []
-        is_valid, is_glitch = int(flags) & EKF_ATTITUDE != 0, int(flags) & EKF_GPS_GLITCHING != 0
+        is_valid, is_glitch = int(flags) & ATTITUDE_FLAG != 0, int(flags) & GLITCH_FLAG != 0
         ratios = numbers[4:]
         return [
             EstimatorStatusSample(

@@ -26,6 +26,8 @@ ULOG_ROLES: Final = MessageRoles(
     named_reference=(TRUTH, OWN, *ESTIMATORS),
     autopilot=(OWN,),
     untimed=(),
+    other_sensors={name: tuple([other for other in IMU if other != name]) for name in IMU},
 )
 """A simulator's truth precedes the autopilot's attitude. sensor_combined is the sensor that the estimator has selected,
-at its full rate; vehicle_imu is each sensor, in most logs a few times a second."""
+at its full rate; vehicle_imu is each sensor, in most logs a few times a second. sensor_combined is used alone, because
+it does not tell which of the sensors it is."""

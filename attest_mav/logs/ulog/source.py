@@ -1,6 +1,6 @@
 """A ULog as a source of samples: a survey is the first pass, the readers of the plan run in the second."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Final
 
 from attest_mav.errors import UnreadableDataError
@@ -88,10 +88,12 @@ class UlogSource:
 
     def samples(self, plan: Plan) -> Iterator[SampleBatch]:
         """Second pass, some samples at a time."""
-        self._sensor = SensorReader(plan.imu, SYSTEM, COMPONENT, ULOG_IMU)
+        names = (plan.imu, *plan.other_sensors)
+        sensors = {name: SensorReader(name, SYSTEM, COMPONENT, ULOG_IMU) for name in names}
+        self._sensor = sensors[plan.imu]
         with_velocity = [name for name in RECEIVERS if name in self._facts.velocities]
         receiver = with_velocity[0] if with_velocity else RECEIVERS[0]
-        walker = UlogWalker(Topics(flight_readers(plan, self._sensor, receiver)))
+        walker = UlogWalker(Topics(flight_readers(plan, sensors, receiver)))
         length = len(self._data)
         for samples in read_windows(self._data, walker):
             share = walker.position / length
@@ -123,15 +125,17 @@ def survey_readers() -> dict[str, TopicReader]:
     return {**timed, **vehicle_readers(), **{name: ReceiverReader(name) for name in RECEIVERS}}
 
 
-def flight_readers(plan: Plan, sensor: SensorReader, receiver: str) -> dict[str, TopicReader]:
+def flight_readers(plan: Plan, sensors: Mapping[str, SensorReader], receiver: str) -> dict[str, TopicReader]:
     """The readers of the second pass: those of the plan, and of all that aids a filter."""
     field = Field()
-    imu = CombinedReader(sensor, field) if plan.imu == "sensor_combined" else ImuReader(sensor, field)
-    readers: dict[str, TopicReader] = {**vehicle_readers(), plan.imu: imu, "vehicle_magnetometer": MagReader(field)}
+    readers: dict[str, TopicReader] = {**vehicle_readers(), "vehicle_magnetometer": MagReader(field)}
     readers[receiver] = ReceiverReader(receiver)
     readers["airspeed"] = AirspeedReader()
     readers["estimator_status"] = EstimatorReader()
-    for name in plan.messages - {plan.imu}:
+    for name, sensor in sensors.items():
+        is_combined = name == "sensor_combined"
+        readers[name] = CombinedReader(sensor, field) if is_combined else ImuReader(sensor, field)
+    for name in plan.messages.difference(sensors):
         own = AttitudeRole.AUTOPILOT if name == OWN else AttitudeRole.SECONDARY
         readers[name] = AttitudeReader(name, AttitudeRole.TRUTH if name in ULOG_ROLES.truth else own)
     return readers

@@ -254,7 +254,7 @@ def test_airspeed_and_the_estimators_errors(writer):
 def test_the_estimator_on_itself_is_that_of_the_core_that_flies(writer):
     writer.begin()
     writer.add("XKF4", TimeUS=1000, C=0, PI=1, SV=2.5, SS=1)
-    writer.add("XKF4", TimeUS=1000, C=1, PI=1, SV=0.25, SM=1.5, SS=0x8001)
+    writer.add("XKF4", TimeUS=1000, C=1, PI=1, SV=0.25, SM=1.5, SS=0x4001)
     (status,) = samples_of(writer.data, kind=EstimatorStatusSample)
     assert (status.velocity, status.compass, status.limit) == (0.25, 1.5, 0.8)
     assert (status.attitude_valid, status.receiver_glitch, status.accel_error) == (True, True, False)
@@ -265,8 +265,8 @@ def test_the_secondary_estimator_is_quoted(writer):
     for k in range(200):
         writer.instant(1_000_000 + 20_000 * k)
         writer.add("AHR2", TimeUS=1_000_000 + 20_000 * k, Roll=20.0)
-    (ours,) = report(writer.data)["filters"]
-    quoted = [text for interval in ours["verdicts"] for text in interval["autopilot_reports"]]
+    intervals = report(writer.data)["verdict"]["intervals"]
+    quoted = [text for interval in intervals for text in interval["autopilot_reports"]]
     assert "shows 20 deg of tilt between AHR2 and its own attitude" in quoted
 
 
@@ -304,3 +304,21 @@ def test_a_log_without_inertial_records_says_so(writer):
     writer.add("ATT", TimeUS=1000)
     with pytest.raises(UnreadableDataError, match="no IMU or IMU2"):
         make_plan(summary_of(writer.data), None, None)
+
+
+def test_every_sensor_of_the_vehicle_is_a_lane_with_its_own_compass(writer):
+    writer.begin()
+    for k in range(200):
+        t_us = 1_000_000 + 20_000 * k
+        writer.add("MAG", TimeUS=t_us, MagX=200, MagZ=440, Health=1)
+        writer.add("MAG", TimeUS=t_us, I=1, MagX=210, MagZ=430, Health=1)
+        for number in range(3):
+            writer.add("IMU", TimeUS=t_us, I=number, AccZ=-G)
+        writer.add("ATT", TimeUS=t_us)
+    plan = make_plan(summary_of(writer.data), None, None)
+    assert (plan.imu, plan.other_sensors) == ("IMU", ("IMU2", "IMU3"))
+    fields = {one.source: one.mag for one in samples_of(writer.data, plan, ImuSample)}
+    assert fields["IMU"] == pytest.approx((0.2, 0.0, 0.44))
+    assert fields["IMU2"] == pytest.approx((0.21, 0.0, 0.43))
+    assert fields["IMU3"] == fields["IMU"]
+    assert make_plan(summary_of(writer.data), "IMU2", None).other_sensors == ()

@@ -15,6 +15,7 @@ from attest_mav.logs.formats import open_source
 from attest_mav.logs.source import Plan
 from attest_mav.logs.ulog.source import UlogSource
 from attest_mav.replay.engine import replay
+from attest_mav.replay.plan import make_plan
 from attest_mav.replay.report import as_json
 from attest_mav.replay.request import Outputs, Request, Window
 from attest_mav.samples import AirDataSample, AttitudeSample, ImuSample, PositionSample, VelocitySample
@@ -277,3 +278,17 @@ def test_no_damage_raises(log, seed):
     source = UlogSource(bytes(data))
     assert source.summary().bad_bytes <= len(data)
     assert sum(len(batch.samples) for batch in source.samples(PLAN)) <= 250
+
+
+def test_every_sensor_of_the_vehicle_is_a_lane_unless_the_topic_does_not_tell_which_it_is(writer):
+    writer.flags()
+    for k in range(20):
+        for number in range(2):
+            mean = {"delta_velocity": [0.0, 0.0, -0.04], "delta_angle_dt": 4000, "delta_velocity_dt": 4000}
+            writer.add("vehicle_imu", number, timestamp=4000 * k, timestamp_sample=4000 * k, **mean)
+    plan = make_plan(UlogSource(writer.data).summary(), None, None)
+    assert (plan.imu, plan.other_sensors) == ("vehicle_imu", ("vehicle_imu_1",))
+    assert {one.source for one in samples_of(writer.data, ImuSample, plan)} == {"vehicle_imu", "vehicle_imu_1"}
+    for k in range(40):
+        writer.add("sensor_combined", timestamp=2000 * k)
+    assert make_plan(UlogSource(writer.data).summary(), None, None).other_sensors == ()
