@@ -116,6 +116,8 @@ class DataflashSource:
         count = self._counts.get(plan.imu, 0)
         if count < MagnitudeCheck.WINDOW:
             return [f"{count} {plan.imu}, fewer than the {MagnitudeCheck.WINDOW} that are needed to know its units"]
+        if self._survey.duration_s == 0.0:
+            return ["the times of its records stand still: no filter can go by them"]
         if self._readers is None:
             return []
         sensor = self._readers.sensors[plan.imu]

@@ -45,6 +45,7 @@ class UlogSource:
         self._facts = FlightFacts()
         self._counts: dict[str, int] = {}
         self._notes: list[str] = []
+        self._duration_s = 0.0
         self._sensor: SensorReader | None = None
 
     def summary(self, progress: Progress | None = None) -> LogSummary:
@@ -59,12 +60,13 @@ class UlogSource:
         if not walker.records:
             raise UnreadableDataError(f"this ULog has no message; expected {EXPECTED}")
         self._facts, self._counts, self._notes = facts, topics.counts(), damage_notes(walker)
+        self._duration_s = topics.span_ns * 1e-9
         return LogSummary(
             log_format="ulog",
             roles=ULOG_ROLES,
             messages=walker.records,
             bad_bytes=walker.damage.total,
-            duration_s=topics.span_ns * 1e-9,
+            duration_s=self._duration_s,
             vehicles={VEHICLE: self._vehicle()},
         )
 
@@ -110,6 +112,8 @@ class UlogSource:
         count = self._counts.get(plan.imu, 0)
         if count < MagnitudeCheck.WINDOW:
             return [f"{count} {plan.imu}, fewer than the {MagnitudeCheck.WINDOW} that are needed to know its units"]
+        if self._duration_s == 0.0:
+            return ["the times of its messages stand still: no filter can go by them"]
         sensor = self._sensor
         return [] if sensor is None else [reason for reason in (sensor.refusal, sensor.field_refusal) if reason]
 

@@ -299,6 +299,13 @@ def test_too_few_records_are_no_sensor(writer):
         report(writer.data)
 
 
+def test_times_that_stand_still_are_said_to(writer):
+    writer.begin()
+    for _ in range(100):
+        writer.instant(1000)
+    assert "the times of its records stand still: no filter can go by them" in report(writer.data)["notes"]
+
+
 def test_a_log_without_inertial_records_says_so(writer):
     writer.begin()
     writer.add("ATT", TimeUS=1000)

@@ -229,6 +229,14 @@ def test_appended_data_begin_where_the_log_says(log):
     assert UlogSource(flagged + rest).summary().bad_bytes == 8
 
 
+def test_times_that_stand_still_are_said_to(writer):
+    writer.flags()
+    for _ in range(100):
+        writer.add("sensor_combined", timestamp=5000, accelerometer_m_s2=[0.0, 0.0, -G])
+    notes = as_json("flight", replay(open_source(writer.data, "flight.ulg"), WHOLE, Outputs()))["notes"]
+    assert "the times of its messages stand still: no filter can go by them" in notes
+
+
 def test_what_the_recorder_has_lost_is_a_note(log):
     log.message("O", struct.pack("<H", 250))
     log.message("O", struct.pack("<H", 50))
