@@ -26,7 +26,9 @@ CORE = [
     "filters",
     "estimation",
     "mavlink",
+    "logs/dataflash",
     "logs/tlog",
+    "logs/ulog",
     "replay",
 ]
 

@@ -40,6 +40,8 @@ class Setting(IntEnum):
     """Other than 0 where the autopilot looks its declination up."""
     LOW_PASS_DELAY_SIGMA_S = 15
     """Uncertainty of the low-pass's delay where its corner is only assumed, s; 0 once the autopilot has told it."""
+    FIELD_DELAY_S = 16
+    """Age of the magnetometer's reading at the time of the inertial sample that carries it, s."""
 
 
 QUANTITIES: Final = {

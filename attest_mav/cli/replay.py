@@ -118,10 +118,11 @@ def command(
 ) -> None:
     """Run filters over LOGs and compare them, and the autopilot's own attitude, with a reference.
 
-    LOG is a telemetry log (tlog) or a bare MAVLink stream. Messages that are not named are chosen: the best inertial
-    message, and a simulator's truth as reference where there is one. Errors are in degrees: the angle between the
-    gravity directions (tilt), and what is left (heading). A folder stands for all logs in it, and a pattern such as
-    'flights/*.tlog' for those that match; several logs end with a summary, the worst first.
+    LOG is a telemetry log (tlog), a bare MAVLink stream, ArduPilot's DataFlash log (.bin, .log) or PX4's ULog.
+    Messages that are not named are chosen: the best inertial message, and a simulator's truth as reference where there
+    is one. Errors are in degrees: the angle between the gravity directions (tilt), and what is left (heading). A folder
+    stands for all logs in it, and a pattern such as 'flights/*.tlog' for those that match; several logs end with a
+    summary, the worst first.
     """
     check_names(imu, reference)
     check_declination(declination_deg)

@@ -107,6 +107,11 @@ def _of_secondary(source: str) -> tuple[FrameRule, ...]:
     )
 
 
+CORES: Final = ("XKF1", "XKF6", "XKF11", "NKF1", "NKF6", "NKF11", "EKF1")
+"""Records of the estimators' cores in Euler angles."""
+CORE_QUATERNIONS: Final = ("XKQ", "XKQ2", "XKQ3", "NKQ", "NKQ2", "NKQ3")
+"""The same as quaternions."""
+
 RULES: Final = (
     *_trimmed_as_attitude("ATTITUDE", pitch_trim=True),
     *_trimmed_as_attitude("ATT", pitch_trim=False),
@@ -118,10 +123,8 @@ RULES: Final = (
     *_of_secondary("AHR2"),
     FrameRule(ARDUPILOT, "AHR2", TrimForm.VECTOR, QUATERNION, since=V42, secondary=True),
     FrameRule(ARDUPILOT, "AHR2", TrimForm.NONE, QUATERNION, until=V42, secondary=True),
-    FrameRule(ARDUPILOT, "XKF1", TrimForm.EULER),
-    FrameRule(ARDUPILOT, "NKF1", TrimForm.EULER),
-    FrameRule(ARDUPILOT, "XKQ", TrimForm.NONE, QUATERNION),
-    FrameRule(ARDUPILOT, "NKQ", TrimForm.NONE, QUATERNION),
+    *(FrameRule(ARDUPILOT, source, TrimForm.EULER) for source in CORES),
+    *(FrameRule(ARDUPILOT, source, TrimForm.NONE, QUATERNION) for source in CORE_QUATERNIONS),
     FrameRule(ARDUPILOT, "DCM", TrimForm.MATRIX),
     FrameRule(PX4, "ATTITUDE", TrimForm.NONE),
     FrameRule(PX4, "ATTITUDE_QUATERNION", TrimForm.NONE, QUATERNION),

@@ -6,7 +6,7 @@ from typing import Final, Literal
 from attest_mav.errors import UnreadableDataError
 from attest_mav.logs.source import EXPECTED
 
-LogFormat = Literal["tlog", "mavlink", "dataflash", "ulog"]
+LogFormat = Literal["tlog", "mavlink", "dataflash", "dataflash-text", "ulog"]
 
 HEAD_BYTES: Final = 65536
 """Length of the head that ``detect_format`` needs; a shorter file is given whole."""
@@ -23,7 +23,8 @@ _FOREIGN_FORMATS: Final = (
     (b"SQLite format 3\0", "an SQLite database"),
     (b"\x89HDF", "an HDF5 file"),
 )
-_BYTE_ORDER_MARKS: Final = ((b"\xef\xbb\xbf", "utf-8"), (b"\xff\xfe", "utf-16-le"), (b"\xfe\xff", "utf-16-be"))
+BYTE_ORDER_MARKS: Final = ((b"\xef\xbb\xbf", "utf-8"), (b"\xff\xfe", "utf-16-le"), (b"\xfe\xff", "utf-16-be"))
+"""Marks at the begin of a text, and its encoding."""
 _TEXT_FORMAT_LINE: Final = re.compile(r"^[ \t]*FMT[ \t]*,[ \t]*\d+[ \t]*,[ \t]*\d+[ \t]*,", re.MULTILINE)
 """The line of a DataFlash log in text that describes one kind of record."""
 _RECORD_FORMAT: Final = b"\xa3\x95\x80"
@@ -44,6 +45,8 @@ def detect_format(head: bytes) -> LogFormat | None:
         return None if _is_sdlog2(head) else "dataflash"
     if head.startswith(_ULOG):
         return "ulog"
+    if _TEXT_FORMAT_LINE.search(_text(head)):
+        return "dataflash-text"
     if _is_tlog(head):
         return "tlog"
     return "mavlink" if _is_stream(head) else None
@@ -114,14 +117,12 @@ def _foreign_format(head: bytes) -> str:
             return words
     if head.startswith(_DATAFLASH):
         return "a PX4 log of before 2017 (sdlog2, .px4log), which is no DataFlash log in spite of its first bytes"
-    if _TEXT_FORMAT_LINE.search(_text(head)):
-        return "a DataFlash log written as text: use the binary one"
     return ""
 
 
 def _text(head: bytes) -> str:
     """The head as text, by its byte-order mark."""
-    for mark, encoding in _BYTE_ORDER_MARKS:
+    for mark, encoding in BYTE_ORDER_MARKS:
         if head.startswith(mark):
             return head[len(mark) :].decode(encoding, "replace")
     return head.decode("ascii", "replace")

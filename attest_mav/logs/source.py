@@ -20,7 +20,7 @@ VehicleId = tuple[int, int]
 Progress = Callable[[float], None]
 """Is called with the share of the work done, 0 to 1."""
 
-EXPECTED: Final = "a tlog, a DataFlash log (.bin) or a ULog"
+EXPECTED: Final = "a tlog, a DataFlash log (.bin, .log) or a ULog"
 """The log formats, for error messages."""
 
 
@@ -132,6 +132,16 @@ class Plan:
         """The names above."""
         names = (self.imu, self.reference, self.autopilot, self.timing, *self.other_sensors)
         return frozenset(name for name in names if name is not None)
+
+
+class LogBytes(Protocol):
+    """The bytes of a log, to be read in pieces: ``bytes``, a mapped file, or an open one."""
+
+    def __len__(self) -> int:
+        """Number of bytes."""
+
+    def __getitem__(self, span: slice, /) -> bytes:
+        """One piece of them."""
 
 
 class SampleBatch:

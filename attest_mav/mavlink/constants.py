@@ -35,6 +35,7 @@ MAV_AUTOPILOT_INVALID: Final = 8
 """A component that is no flight controller: camera, gimbal, ground station, and this one."""
 MAV_AUTOPILOT_PX4: Final = 12
 
+MAV_TYPE_GENERIC: Final = 0
 MAV_TYPE_FIXED_WING: Final = 1
 MAV_TYPE_QUADROTOR: Final = 2
 MAV_TYPE_COAXIAL: Final = 3

@@ -5,11 +5,11 @@ A process pool can be given ``partial(replay_file, request=..., open_log=...)``:
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager
-from mmap import mmap
 from typing import Any, Final
 
 from attest_mav.errors import AttestMavError, UnreadableDataError, UnwritableError
 from attest_mav.logs.formats import open_source
+from attest_mav.logs.source import LogBytes
 from attest_mav.replay.engine import replay
 from attest_mav.replay.report import as_json
 from attest_mav.replay.request import Outputs, Request
@@ -17,7 +17,7 @@ from attest_mav.replay.request import Outputs, Request
 Report = dict[str, Any]
 """The object that ``replay --json`` prints for one log."""
 
-OpenLog = Callable[[str], AbstractContextManager[mmap | bytes]]
+OpenLog = Callable[[str], AbstractContextManager[LogBytes]]
 """Opens the log at a path for the time of a ``with`` block, and gives its bytes."""
 
 

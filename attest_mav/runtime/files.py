@@ -1,6 +1,5 @@
-"""Files: logs mapped into memory to read, results written so that a half-written one is never seen."""
+"""Files: logs to read in pieces, results written so that a half-written one is never seen."""
 
-import mmap
 import os
 import stat
 import sys
@@ -13,6 +12,7 @@ from types import TracebackType
 from typing import IO, TYPE_CHECKING, Self
 
 from attest_mav.errors import ConfigError, UnreadableDataError, UnwritableError
+from attest_mav.runtime.archives import unpacked
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
@@ -21,20 +21,53 @@ MAX_CONFIG_BYTES = 1 << 20
 """A configuration of more than this is something else."""
 
 
+class OpenedLog:
+    """The bytes of an open file, read in pieces. A mapped file that shrinks would end the process by a signal."""
+
+    def __init__(self, descriptor: int, size: int) -> None:
+        self._descriptor = descriptor
+        self._size = size
+
+    def __len__(self) -> int:
+        return self._size
+
+    def __getitem__(self, span: slice, /) -> bytes:
+        """One piece; UnreadableDataError if the file has become shorter."""
+        start, stop, _ = span.indices(self._size)
+        pieces = []
+        while start < stop:
+            try:
+                piece = os.pread(self._descriptor, stop - start, start)
+            except OSError as error:
+                raise UnreadableDataError(f"cannot read at byte {start}: {reason_of(error)}") from None
+            if not piece:
+                raise UnreadableDataError(f"it was cut while it was read: it ends at byte {start} of {self._size}")
+            pieces.append(piece)
+            start += len(piece)
+        return pieces[0] if len(pieces) == 1 else b"".join(pieces)
+
+
 @contextmanager
-def open_log(path: str | Path) -> Iterator[mmap.mmap]:
-    """The file's bytes, read-only and not copied; UnreadableDataError says why there are none."""
+def open_log(path: str | Path) -> Iterator[OpenedLog]:
+    """The bytes of a log, or of the one in an archive, read when they are asked for.
+
+    UnreadableDataError says why there are none.
+    """
     try:
-        with open(path, "rb", opener=open_without_waiting) as file:
-            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-                raise UnreadableDataError(f"{path} is not a regular file; expected a log")
-            if os.fstat(file.fileno()).st_size == 0:
-                raise UnreadableDataError(f"{path} is empty; expected a log")
-            mapped = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+        file = open(path, "rb", opener=open_without_waiting)  # noqa: SIM115 (closed below)
     except OSError as error:
         raise UnreadableDataError(f"cannot read {path}: {reason_of(error)}") from None
-    with mapped:
-        yield mapped
+    with file:
+        status = os.fstat(file.fileno())
+        if not stat.S_ISREG(status.st_mode):
+            raise UnreadableDataError(f"{path} is not a regular file; expected a log")
+        if status.st_size == 0:
+            raise UnreadableDataError(f"{path} is empty; expected a log")
+        with unpacked(file, path) as log:
+            size = os.fstat(log.fileno()).st_size
+            if size == 0:
+                raise UnreadableDataError(f"{path} holds an empty file; expected a log")
+            yield OpenedLog(log.fileno(), size)
 
 
 def open_without_waiting(path: str, flags: int) -> int:

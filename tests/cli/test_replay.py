@@ -202,10 +202,10 @@ def test_annotated_log_replays_like_the_original(attest_mav, tmp_path):
         ("empty", "is empty"),
         ("png", "PNG picture"),
         ("text", "no log that is known here"),
-        ("zip", "a zip archive"),
+        ("zip", "the zip archive is damaged"),
         ("zeros", "no log that is known here"),
-        ("dataflash", "a DataFlash log cannot be read yet"),
-        ("ulog", "a ULog cannot be read yet"),
+        ("dataflash", "no IMU or IMU2"),
+        ("ulog", "this ULog has no message"),
     ],
 )
 def test_files_that_are_no_tlog_are_named_for_what_they_are(attest_mav, wrong_file, kind, words):

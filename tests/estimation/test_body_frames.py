@@ -122,11 +122,13 @@ ROWS = (
     ("NKF1", OWN, V40, EKF3, A),
     ("XKQ", OWN, V46, EKF3, NONE),
     ("NKQ", OWN, V40, EKF3, NONE),
+    *((source, OTHER, V40, EKF3, A) for source in ("XKF6", "XKF11", "NKF6", "NKF11", "EKF1")),
+    *((source, OTHER, V40, EKF3, NONE) for source in ("XKQ2", "XKQ3", "NKQ2", "NKQ3")),
     ("DCM", OTHER, V46, EKF3, B),
     ("SIM_STATE", TRUTH, V46, EKF3, NONE),
     ("SIMSTATE", TRUTH, V46, EKF3, NONE),
 )
-QUATERNIONS = {"ATTITUDE_QUATERNION", "AHR2 quaternion", "XKQ", "NKQ", "SIM_STATE"}
+QUATERNIONS = {"ATTITUDE_QUATERNION", "AHR2 quaternion", "SIM_STATE", "XKQ", "XKQ2", "XKQ3", "NKQ", "NKQ2", "NKQ3"}
 
 
 def reported(source, role, form, imu):

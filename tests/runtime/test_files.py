@@ -7,13 +7,29 @@ from attest_mav.errors import ConfigError, UnreadableDataError, UnwritableError
 from attest_mav.runtime.files import atomic_write, open_log, read_config
 
 
-def test_a_log_is_mapped_read_only(tmp_path):
+def test_a_log_is_read_in_pieces(tmp_path):
     path = tmp_path / "a.tlog"
     path.write_bytes(b"hello")
     with open_log(path) as log:
-        assert log[:] == b"hello"
-        with pytest.raises(TypeError):
-            log[0] = 0
+        assert len(log) == 5
+        assert (log[:], log[1:3], log[3:99], log[9:12]) == (b"hello", b"el", b"lo", b"")
+
+
+def test_a_log_that_is_cut_while_it_is_read_is_an_error(tmp_path):
+    path = tmp_path / "a.tlog"
+    path.write_bytes(bytes(5000))
+    with open_log(path) as log:
+        assert len(log[:4096]) == 4096
+        os.truncate(path, 4100)
+        with pytest.raises(UnreadableDataError, match="cut while it was read: it ends at byte 4100 of 5000"):
+            log[4096:5000]
+
+
+def test_an_error_of_the_block_is_not_one_of_the_log(tmp_path):
+    path = tmp_path / "a.tlog"
+    path.write_bytes(b"hello")
+    with pytest.raises(BrokenPipeError), open_log(path):
+        raise BrokenPipeError
 
 
 @pytest.mark.parametrize(

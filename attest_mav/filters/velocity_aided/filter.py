@@ -87,6 +87,7 @@ class VelocityAided(AttitudeFilter):
             parameters,
             low_pass_hz=known.low_pass_hz if low_pass else parameters.low_pass_hz,
             fix_delay_s=known.fix_delay_s if fix_delay else parameters.fix_delay_s,
+            mag_delay_s=known.get_or(Setting.FIELD_DELAY_S, parameters.mag_delay_s),
         )
         return VelocityAided(informed, self.low_pass_from_vehicle, self.fix_delay_from_vehicle)
 

@@ -1,10 +1,9 @@
 """A tlog with our attitudes inserted: all bytes of the original stay, in order, and our records stand between them."""
 
-from mmap import mmap
 from typing import Final
 
 from attest_mav.estimate import Estimate
-from attest_mav.logs.source import ByteSink
+from attest_mav.logs.source import ByteSink, LogBytes
 from attest_mav.logs.tlog.reader import tlog_record
 from attest_mav.mavlink.component.encoder import Encoder
 from attest_mav.mavlink.component.outputs import boot_ms, is_sound
@@ -19,7 +18,7 @@ COPY_BYTES: Final = 1 << 20
 class AnnotatedLogWriter:
     """Writes ATTITUDE_QUATERNION of our own component behind the record of each sample it was estimated from."""
 
-    def __init__(self, original: mmap | bytes, sink: ByteSink, encoder: Encoder) -> None:
+    def __init__(self, original: LogBytes, sink: ByteSink, encoder: Encoder) -> None:
         self._original: Final = original
         self._sink: Final = sink
         self._encoder: Final = encoder

@@ -1,10 +1,10 @@
 """A tlog as a vehicle that sends again the frames it sent, at the times at which they were recorded."""
 
 from collections.abc import Iterator
-from mmap import mmap
 from typing import Final
 
 from attest_mav.errors import UnreadableDataError
+from attest_mav.logs.source import LogBytes
 from attest_mav.logs.tlog.annotate import OUR_COMPONENT
 from attest_mav.logs.tlog.reader import TlogReader
 from attest_mav.logs.tlog.roles import GROUND_SYSTEM
@@ -22,7 +22,7 @@ class PlayedLog:
     Commands to the vehicle are not answered. UnreadableDataError for a log without such a frame.
     """
 
-    def __init__(self, data: mmap | bytes, dialect: Dialect) -> None:
+    def __init__(self, data: LogBytes, dialect: Dialect) -> None:
         self.framer: Final = Framer(dialect, frozenset())
         """Counts the frames that arrive from others; none is looked at."""
         self.sent = 0

@@ -2,19 +2,17 @@
 
 from collections.abc import Iterator
 from itertools import chain
-from mmap import MADV_DONTNEED, PAGESIZE, mmap
 from typing import Final
 
+from attest_mav.logs.source import LogBytes
 from attest_mav.logs.tlog.walker import TlogWalker
+from attest_mav.logs.windows import read_windows
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
 
-WINDOW_BYTES: Final = 1 << 18
-"""Length of a window: large against the cost of one, small enough for the processor's cache."""
-
 
 class TlogReader:
-    """Reads a tlog from memory (a file mapped by ``mmap`` or bytes) at constant memory.
+    """Reads a tlog from memory at constant memory.
 
     ``wanted`` holds the message ids to return; None returns all. The frames come in order, with ``rx_ns`` from the log
     and ``offset`` in it: ``buffer[frame.offset : frame.offset + frame.size]`` is the raw frame. The counters fill
@@ -22,7 +20,7 @@ class TlogReader:
     """
 
     def __init__(
-        self, buffer: mmap | bytes, dialect: Dialect, wanted: frozenset[int] | None = None, bare: bool = False
+        self, buffer: LogBytes, dialect: Dialect, wanted: frozenset[int] | None = None, bare: bool = False
     ) -> None:
         self._buffer: Final = buffer
         self._walker: Final = TlogWalker(dialect, wanted, bare)
@@ -67,27 +65,6 @@ class TlogReader:
     def bad_stamps(self) -> int:
         """Wanted frames whose recorded time was not believed."""
         return self._walker.bad_stamps
-
-
-def read_windows(buffer: mmap | bytes, walker: TlogWalker) -> Iterator[list[Frame]]:
-    """Walks over the whole buffer: the wanted frames, those of one window at a time."""
-    length = len(buffer)
-    final = False
-    while not final:
-        start = walker.position
-        window = buffer[start : start + WINDOW_BYTES]
-        final = start + len(window) == length
-        yield walker.walk(window, final)
-        _give_back(buffer, start, walker.position)
-
-
-def _give_back(buffer: mmap | bytes, start: int, stop: int) -> None:
-    """Release the whole pages of a mapped file that have been read; pages kept would all count as memory."""
-    if isinstance(buffer, mmap):
-        first = start - start % PAGESIZE
-        length = stop - stop % PAGESIZE - first
-        if length > 0:
-            buffer.madvise(MADV_DONTNEED, first, length)
 
 
 def tlog_record(rx_ns: int, frame: bytes) -> bytes:

@@ -1,19 +1,19 @@
 """A telemetry log as a source of samples: the survey is the first pass, the decoder runs in the second."""
 
 from collections.abc import Iterator
-from mmap import mmap
 from typing import Final
 
 from attest_mav.errors import UnreadableDataError
-from attest_mav.logs.source import EXPECTED, ByteSink, LogSummary, Plan, Progress, SampleBatch
+from attest_mav.logs.source import EXPECTED, ByteSink, LogBytes, LogSummary, Plan, Progress, SampleBatch
 from attest_mav.logs.tlog.annotate import OUR_COMPONENT, AnnotatedLogWriter
 from attest_mav.logs.tlog.clocks import LogClocks
-from attest_mav.logs.tlog.reader import TlogReader, read_windows
+from attest_mav.logs.tlog.reader import TlogReader
 from attest_mav.logs.tlog.roles import AIDING, FRAME, SELF_REPORTS
 from attest_mav.logs.tlog.stamp_repair import FixRepair, StampRepair
 from attest_mav.logs.tlog.stamps import time_field
 from attest_mav.logs.tlog.summary import summarize
 from attest_mav.logs.tlog.survey import Survey
+from attest_mav.logs.windows import read_windows
 from attest_mav.mavlink.component.encoder import Encoder
 from attest_mav.mavlink.decode.decoder import Decoder, of_message
 from attest_mav.mavlink.decode.units import MagnitudeCheck
@@ -27,20 +27,20 @@ BATCH_FRAMES: Final = 64
 """Frames decoded at a time: many against the cost of a batch, few enough that the samples stay in the cache."""
 
 
-def open_tlog(data: mmap | bytes) -> "TlogSource":
+def open_tlog(data: LogBytes) -> "TlogSource":
     """The source of a tlog, with the dialect that knows all messages."""
     return TlogSource(data, load_dialect())
 
 
-def open_stream(data: mmap | bytes) -> "MavlinkSource":
+def open_stream(data: LogBytes) -> "MavlinkSource":
     """The source of a bare stream of frames, with the same dialect."""
     return MavlinkSource(data, load_dialect(), bare=True)
 
 
 class MavlinkSource:
-    """The ``LogSource`` of recorded frames in memory: a file mapped by ``mmap``, or bytes. ``bare``: without times."""
+    """The ``LogSource`` of recorded frames. ``bare``: without times."""
 
-    def __init__(self, data: mmap | bytes, dialect: Dialect, bare: bool = False) -> None:
+    def __init__(self, data: LogBytes, dialect: Dialect, bare: bool = False) -> None:
         self._data: Final = data
         self._dialect: Final = dialect
         self._bare: Final = bare

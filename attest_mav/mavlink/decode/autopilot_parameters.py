@@ -108,6 +108,11 @@ def names_of(setting: Setting, autopilot: int, is_plane: bool = True) -> list[st
     ]
 
 
+def parameters_of(autopilot: int) -> tuple[Parameter, ...]:
+    """The parameters of one autopilot (MAV_AUTOPILOT)."""
+    return tuple([one for one in PARAMETERS if one.autopilot == autopilot])
+
+
 def parameter_bytes() -> frozenset[bytes]:
     """All names as PARAM_VALUE carries them, without the zeros behind them."""
     return frozenset([one.name.encode() for one in PARAMETERS])

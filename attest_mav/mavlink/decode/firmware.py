@@ -3,6 +3,13 @@
 import re
 from typing import Final
 
+from attest_mav.mavlink.constants import (
+    MAV_TYPE_ANTENNA_TRACKER,
+    MAV_TYPE_FIXED_WING,
+    MAV_TYPE_GENERIC,
+    MAV_TYPE_GROUND_ROVER,
+    MAV_TYPE_QUADROTOR,
+)
 from attest_mav.mavlink.decode.reader import Reader
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
@@ -12,9 +19,17 @@ from attest_mav.vehicle_reports import EstimatorNews, EstimatorNewsSample, Estim
 from attest_mav.vehicle_settings import Estimator
 
 BANNER: Final = re.compile(
-    r"(?:Ardu(?:Copter|Plane|Rover|Sub)|APM:\w+|Rover|Blimp|AntennaTracker) V(\d+)\.(\d+)(?:\.(\d+))?"
+    r"(Ardu(?:Copter|Plane|Rover|Sub)|APM:\w+|APMrover2|Rover|Blimp|AntennaTracker) V(\d+)\.(\d+)(?:\.(\d+))?"
 )
 """The first words of ArduPilot: "ArduCopter V4.1.1 (0a1b2c3d)"."""
+
+TYPES: Final = (
+    ("copter", MAV_TYPE_QUADROTOR),
+    ("plane", MAV_TYPE_FIXED_WING),
+    ("rover", MAV_TYPE_GROUND_ROVER),
+    ("tracker", MAV_TYPE_ANTENNA_TRACKER),
+)
+"""Parts of these words, with a MAV_TYPE that moves as the vehicle does."""
 
 ESTIMATOR_TEXTS: Final = {
     "AHRS: DCM active": Estimator.DCM,
@@ -61,21 +76,25 @@ class StatusTextReader(Reader):
         self._fields: Final = dialect.layout(self.name).pick("text")
 
     def read(self, frame: Frame) -> list[Sample]:
-        """A FirmwareSample, or an EstimatorSample and an EstimatorNewsSample, or the latter alone."""
+        """The samples of ``text_samples``."""
         (raw,) = self._fields.unpack(frame.payload)
         text = raw.split(b"\0", 1)[0].decode("ascii", "replace").strip()
-        system, component, rx_ns = frame.system, frame.component, frame.rx_ns
-        samples: list[Sample] = []
-        estimator = ESTIMATOR_TEXTS.get(text)
-        if estimator is not None:
-            samples.append(EstimatorSample(self.name, system, component, rx_ns, estimator))
-        news = news_of(text)
-        if news is not None:
-            samples.append(EstimatorNewsSample(self.name, system, component, rx_ns, news, text))
-        version = banner_version(text)
-        if version is not None:
-            samples.append(FirmwareSample(self.name, system, component, rx_ns, version))
-        return samples
+        return text_samples(self.name, frame.system, frame.component, frame.rx_ns, text)
+
+
+def text_samples(source: str, system: int, component: int, rx_ns: int, text: str) -> list[Sample]:
+    """A FirmwareSample, or an EstimatorSample and an EstimatorNewsSample, or the latter alone; none for other texts."""
+    samples: list[Sample] = []
+    estimator = ESTIMATOR_TEXTS.get(text)
+    if estimator is not None:
+        samples.append(EstimatorSample(source, system, component, rx_ns, estimator))
+    news = news_of(text)
+    if news is not None:
+        samples.append(EstimatorNewsSample(source, system, component, rx_ns, news, text))
+    version = banner_version(text)
+    if version is not None:
+        samples.append(FirmwareSample(source, system, component, rx_ns, version))
+    return samples
 
 
 def news_of(text: str) -> EstimatorNews | None:
@@ -88,5 +107,14 @@ def banner_version(text: str) -> Version | None:
     found = BANNER.match(text)
     if found is None:
         return None
-    major, minor, patch = found.groups()
+    _, major, minor, patch = found.groups()
     return (int(major), int(minor), int(patch or 0))
+
+
+def banner_type(text: str) -> int | None:
+    """A MAV_TYPE that moves as the vehicle of ArduPilot's first words, GENERIC for others; None for other words."""
+    found = BANNER.match(text)
+    if found is None:
+        return None
+    name = found[1].lower()
+    return next((kind for part, kind in TYPES if part in name), MAV_TYPE_GENERIC)

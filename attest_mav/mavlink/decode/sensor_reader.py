@@ -36,7 +36,7 @@ class SensorReader:
         self.field_refusal = ""
         self.refused = 0
         self.note = row.note
-        self._quantum: Final = Quantum(row.gyro, row.accel, row.mag) if row.integer else EXACT
+        self._quantum: Final = _quantum(row)
         self._accel_check: Final = MagnitudeCheck(MIN_ACCEL_MPS2, MAX_ACCEL_MPS2, (1.0,))
         self._field_check: Final = MagnitudeCheck(MIN_FIELD_GAUSS, MAX_FIELD_GAUSS, row.field_powers)
         self._held: list[ImuSample] = []
@@ -45,17 +45,20 @@ class SensorReader:
         self._last_t_ns = 0
         self._turn_rad = 0.0
 
-    def accept(self, t_ns: int, rx_ns: int, accel: Vec3, gyro: Vec3, field: Vec3, field_sent: bool) -> list[Sample]:
+    def accept(
+        self, t_ns: int, rx_ns: int, accel: Vec3, gyro: Vec3, field: Vec3, field_sent: bool, clipped: bool = False
+    ) -> list[Sample]:
         """Samples from one reading in the message's own units; none while the start-up checks hold it back, then all.
 
-        field_sent: False when the message says that its magnetometer fields are not new.
+        field_sent: False when the message says that its magnetometer fields are not new. clipped: True when it says
+        that a sensor has reached the end of its range.
         """
         row = self.row
         if not _finite(accel, gyro):
             return self._refuse("a reading is not finite")
         if _is_zero(accel) and _is_zero(gyro):
             return self._refuse("it carries no accelerometer and no gyro (all zero)")
-        saturated = row.integer and (_largest(accel) >= SATURATED_RAW or _largest(gyro) >= SATURATED_RAW)
+        is_full = row.integer and (_largest(accel) >= SATURATED_RAW or _largest(gyro) >= SATURATED_RAW)
         rates = (gyro[0] * row.gyro, gyro[1] * row.gyro, gyro[2] * row.gyro)
         has_field = row.has_field and self._is_fresh(field, t_ns, rates) and field_sent
         settled = self._accel_check.passed and (self._field_check.passed or not has_field)
@@ -72,7 +75,7 @@ class SensorReader:
             rates,
             (accel[0] * row.accel, accel[1] * row.accel, accel[2] * row.accel),
             mag,
-            saturated,
+            clipped or is_full,
             self._quantum,
         )
         if not settled:
@@ -147,6 +150,13 @@ def _expectation(sensor: str, check: MagnitudeCheck, unit: str, meaning: str) ->
         f"the {sensor} reads {check.median:.6g} {unit} (median of {check.WINDOW}), "
         f"expected {check.low:.3g} to {check.high:.3g} {unit} ({meaning}): wrong units or a faulty sensor"
     )
+
+
+def _quantum(row: UnitRow) -> Quantum:
+    """The resolution of the readings of a row."""
+    if row.integer:
+        return Quantum(row.gyro, row.accel, row.mag)
+    return Quantum(0.0, 0.0, row.mag) if row.integer_field else EXACT
 
 
 def _finite(accel: Vec3, gyro: Vec3) -> bool:

@@ -5,6 +5,7 @@ the definitions do not tell, and that were seen (docs/mavlink.md).
 """
 
 from dataclasses import dataclass
+from math import nan
 from typing import Final
 
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_ARDUPILOTMEGA, MAV_AUTOPILOT_PX4
@@ -29,20 +30,24 @@ SATURATED_RAW: Final = 32440
 class UnitRow:
     """One row. accel: m/s^2 of one unit, gyro: rad/s, mag: gauss.
 
-    integer: the fields are int16, which have a range to saturate. field_powers: factors by which the magnetometer is
-    known to come out wrong; the start-up check chooses among them, and none but 1 is taken without saying so.
-    independent: the numbers owe nothing to the autopilot's estimator. has_field: the magnetometer is in the axes of the
-    body, and calibrated. note: what a user should know.
+    integer: the fields are int16, which have a range to saturate. integer_field: those of the magnetometer alone are.
+    field_powers: factors by which the magnetometer is known to come out wrong; the start-up check chooses among them,
+    and none but 1 is taken without saying so. independent: the numbers owe nothing to the autopilot's estimator.
+    has_field: the magnetometer is in the axes of the body, and calibrated. note: what a user should know.
+    field_delay_s: age of the magnetometer's reading at the time of the sample, s; NaN for that of ArduPilot's mean,
+    which filters expect.
     """
 
     accel: float
     gyro: float
     mag: float
     integer: bool
+    integer_field: bool = False
     field_powers: tuple[float, ...] = (1.0,)
     independent: bool = True
     has_field: bool = True
     note: str = ""
+    field_delay_s: float = nan
 
 
 @dataclass(frozen=True)
@@ -76,6 +81,22 @@ _HIGHRES_PX4: Final = UnitRow(
     independent=False,
     note="the autopilot's own bias estimates are subtracted: not independent of its estimator",
 )
+
+DATAFLASH_IMU: Final = UnitRow(
+    1.0, 1.0, MILLI, integer=False, integer_field=True, note="calibrated and low-passed by the autopilot"
+)
+"""IMU of ArduPilot's DataFlash logs with the field of MAG: as RAW_IMU, but gyro and accelerometer are not rounded. The
+compass's mean is written when it is complete, as RAW_IMU shows it first."""
+
+ULOG_IMU: Final = UnitRow(
+    1.0,
+    1.0,
+    1.0,
+    integer=False,
+    note="calibrated by the autopilot, means without a low-pass",
+    field_delay_s=0.02,
+)
+"""sensor_combined and vehicle_imu of PX4's ULogs with the field of vehicle_magnetometer, a mean over 10 to 70 ms."""
 
 
 def unit_row(message: str, autopilot: int, raw_scales: RawScales | None) -> UnitRow | None:

@@ -4,9 +4,10 @@ from math import isnan
 import pytest
 
 from attest_mav.logs.tlog.message_counter import EVERY, FIRST
-from attest_mav.logs.tlog.reader import TlogReader, read_windows
+from attest_mav.logs.tlog.reader import TlogReader
 from attest_mav.logs.tlog.source import TlogSource
 from attest_mav.logs.tlog.survey import Survey
+from attest_mav.logs.windows import read_windows
 from attest_mav.vehicle_reports import FirmwareSample, HeartbeatSample, ParameterSample
 from attest_mav.vehicle_settings import Setting
 

@@ -1,0 +1,23 @@
+"""The base of all readers of records."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from attest_mav.logs.dataflash.units import Column
+from attest_mav.samples import Sample
+
+SYSTEM: Final = 1
+COMPONENT: Final = 1
+"""The ids of the vehicle: a log is that of one vehicle, and has none."""
+
+
+class RecordReader:
+    """Makes samples of one kind of record. columns, texts: what it wants of it; by default no more than its time."""
+
+    def __init__(self, columns: Sequence[Column] = (), texts: Sequence[str] = ()) -> None:
+        self.columns: Final = tuple(columns)
+        self.texts: Final = tuple(texts)
+
+    def read(self, t_ns: int, numbers: list[float], texts: list[str]) -> list[Sample]:
+        """The samples of a record. numbers: those of ``columns`` from 1 on; NaN and "" for what the record lacks."""
+        return []

@@ -1,0 +1,94 @@
+"""The wanted columns of one type of record: taken out of its bytes, or out of a line of text, as numbers in SI."""
+
+from collections.abc import Sequence
+from math import nan
+from struct import Struct
+from typing import Final
+
+from attest_mav.logs.dataflash.record_format import CODES, HEADER_BYTES, RecordFormat, text_of
+from attest_mav.logs.dataflash.units import Column, UnitTable
+
+MICRO_NS: Final = 1e3
+MILLI_NS: Final = 1e6
+
+
+def time_column(record_format: RecordFormat) -> tuple[int, float]:
+    """The column with the time since boot, and one unit of it in ns; (-1, 0) for a record without.
+
+    Firmware before 3.3 gives milliseconds. Its GPS record has the time of the week there, and that since boot in T;
+    before 3.1 the time of the week, called Time, is the only time in a log.
+    """
+    if record_format.index("TimeUS") >= 0:
+        return record_format.index("TimeUS"), MICRO_NS
+    names = ("T", "Time") if record_format.name.startswith("GPS") else ("TimeMS",)
+    index = next((record_format.index(name) for name in names if record_format.index(name) >= 0), -1)
+    return (index, MILLI_NS) if index >= 0 else (-1, 0.0)
+
+
+class Selection:
+    """Numbers and texts of a record, in the order of ``columns`` and ``texts``, with the time before the numbers."""
+
+    def __init__(
+        self, record_format: RecordFormat, columns: Sequence[Column], texts: Sequence[str], units: UnitTable
+    ) -> None:
+        time_at, unit_ns = time_column(record_format)
+        places = [time_at, *[record_format.index(column.name) for column in columns]]
+        factors = [unit_ns, *[_factor(record_format, column, units) for column in columns]]
+        is_number = [at >= 0 and not CODES[record_format.codes[at]].is_text for at in places]
+        self._places: Final = [at if fits else -1 for at, fits in zip(places, is_number, strict=True)]
+        self._factors: Final = factors
+        self._last: Final = len(record_format.columns) - 1
+        self._texts: Final = [record_format.index(name) for name in texts]
+        self._line_factors: Final = [
+            factor / CODES[record_format.codes[at]].scale if at >= 0 else 1.0
+            for at, factor in zip(self._places, factors, strict=True)
+        ]
+        wanted = sorted({at for at in [*self._places, *self._texts] if at >= 0})
+        self._struct: Final = _struct(record_format, wanted)
+        self._numbers_at: Final = [wanted.index(at) if at >= 0 else -1 for at in self._places]
+        self._texts_at: Final = [wanted.index(at) if at >= 0 else -1 for at in self._texts]
+
+    def numbers(self, data: bytes, at: int) -> list[float]:
+        """The numbers of the record that begins at ``at``; NaN for one that it lacks."""
+        raw = self._struct.unpack_from(data, at + HEADER_BYTES)
+        factors = self._factors
+        return [raw[place] * factors[index] if place >= 0 else nan for index, place in enumerate(self._numbers_at)]
+
+    def texts(self, data: bytes, at: int) -> list[str]:
+        """The texts of the record that begins at ``at``; "" for one that it lacks."""
+        raw = self._struct.unpack_from(data, at + HEADER_BYTES)
+        return [text_of(raw[place]) if place >= 0 and isinstance(raw[place], bytes) else "" for place in self._texts_at]
+
+    def line_numbers(self, fields: Sequence[str]) -> list[float]:
+        """The same from a line of text, whose numbers are scaled already by their letters."""
+        values = zip(self._places, self._line_factors, strict=True)
+        return [_number(fields[at]) * factor if 0 <= at < len(fields) else nan for at, factor in values]
+
+    def line_texts(self, fields: Sequence[str]) -> list[str]:
+        """The texts of a line; the last column takes the rest of it, commas and all."""
+        last = self._last
+        return [", ".join(fields[at : None if at == last else at + 1]) if at >= 0 else "" for at in self._texts]
+
+
+def _factor(record_format: RecordFormat, column: Column, units: UnitTable) -> float:
+    index = record_format.index(column.name)
+    return units.factor(record_format, index, column) if index >= 0 else 1.0
+
+
+def _struct(record_format: RecordFormat, wanted: Sequence[int]) -> Struct:
+    """The layout of the wanted columns behind the header, with gaps in the place of all others."""
+    layout = "<"
+    end = HEADER_BYTES
+    for index in wanted:
+        code = CODES[record_format.codes[index]]
+        layout += f"{record_format.offsets[index] - end}x{code.kind}"
+        end = record_format.offsets[index] + code.size
+    return Struct(layout)
+
+
+def _number(text: str) -> float:
+    """The number that a text begins with; NaN for none."""
+    try:
+        return float(text)
+    except ValueError:
+        return nan

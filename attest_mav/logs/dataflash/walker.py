@@ -1,0 +1,153 @@
+"""Walks over a binary DataFlash log: records by their length, and the next intact one behind damage.
+
+A record has no checksum. It counts as intact when the magic of the next one, or the end of the log, stands right behind
+it. Without either, bytes may be missing inside it: then another record begins within its length, and the cut one is
+given up. Otherwise it is damage that stands behind it. A record between damage on both sides counts when its time goes
+on from the newest one, and a description (FMT) by its content.
+"""
+
+from math import isfinite
+from struct import Struct
+from typing import Final
+
+from mypy_extensions import i64
+
+from attest_mav.logs.damage import Damage
+from attest_mav.logs.dataflash.record_format import FORMAT_BYTES, FORMAT_TYPE, HEADER_BYTES, parse_format
+from attest_mav.logs.dataflash.routes import Route, Router
+from attest_mav.logs.dataflash.selection import time_column
+from attest_mav.samples import Sample
+
+MAGIC: Final = b"\xa3\x95"
+MARGIN: Final = 1024
+"""More than the longest stretch that deciding on one record looks ahead: three records of at most 255 bytes."""
+LONGEST_GAP_NS: Final = 60_000_000_000
+"""A record between damage on both sides is no more than this away from the newest one in time."""
+_NUMBERS: Final = {"Q": Struct("<Q"), "I": Struct("<I")}
+
+
+class RecordWalker:
+    """The samples of the wanted records, from windows of the log. ``router``: makes the readers."""
+
+    def __init__(self, router: Router) -> None:
+        self.records = 0
+        """Intact records, wanted or not."""
+        self.damage: Final = Damage()
+        self._router: Final = router
+        self._routes: Final[list[Route | None]] = [None] * 256
+        self._data = b""
+        self._size: i64 = 0
+        self._position = 0
+        self._final = False
+        self._in_damage = False
+
+    @property
+    def position(self) -> int:
+        """Where the next window has to begin."""
+        return self._position
+
+    def walk(self, window: bytes, final: bool) -> list[Sample]:
+        """The samples of the window that begins at ``position``. final: it reaches to the end of the log."""
+        self._data, self._size, self._final = window, len(window), final
+        samples: list[Sample] = []
+        stop: i64 = self._size if final else self._size - MARGIN
+        at: i64 = 0
+        while at < stop:
+            length = self._intact(at)
+            if length == 0:
+                following = self._next_magic(at + 1, stop)
+                self.damage.add(self._position + at, following - at)
+                self._in_damage = True
+                at = following
+                continue
+            self._in_damage = False
+            self.records += 1
+            self._take(at, samples)
+            at += length
+        self._position += at
+        return samples
+
+    def _take(self, at: i64, samples: list[Sample]) -> None:
+        """Count the record at this place, and read it if it is wanted."""
+        data = self._data
+        route = self._routes[data[at + 2]]
+        if data[at + 2] == FORMAT_TYPE:
+            self._describe(at)
+            route = self._routes[FORMAT_TYPE]
+        if route is None:
+            return
+        place = route.number_at
+        binding = route.binding(0 if place < 0 else data[at + place])
+        if binding is not None:
+            samples.extend(binding.take(data, at))
+
+    def _describe(self, at: i64) -> None:
+        """Take the description at this place, unless it is known."""
+        described = parse_format(self._data[at + HEADER_BYTES : at + FORMAT_BYTES])
+        if described is None:
+            return
+        known = self._routes[described.record_type]
+        if known is None or not known.record_format.equals(described):
+            self._routes[described.record_type] = self._router.route(described)
+
+    def _intact(self, at: i64) -> i64:
+        """Length of the intact record that begins here, 0 if none does."""
+        length = self._length(at)
+        if length == 0:
+            return 0
+        end = at + length
+        if self._data[at + 2] == FORMAT_TYPE:
+            return length
+        if self._begins(end) or (end == self._size and self._final):
+            return length
+        if self._in_damage:
+            return length if self._is_in_time(at) else 0
+        return 0 if self._is_cut(at, end) else length
+
+    def _length(self, at: i64) -> i64:
+        """Length of the record whose header stands here and that ends in the window, 0 if there is none."""
+        data = self._data
+        if at + HEADER_BYTES > self._size or data[at] != 0xA3 or data[at + 1] != 0x95:
+            return 0
+        if data[at + 2] == FORMAT_TYPE:
+            if at + FORMAT_BYTES > self._size or parse_format(data[at + HEADER_BYTES : at + FORMAT_BYTES]) is None:
+                return 0
+            return FORMAT_BYTES
+        route = self._routes[data[at + 2]]
+        if route is None or at + route.length > self._size:
+            return 0
+        return route.length
+
+    def _begins(self, at: i64) -> bool:
+        """Whether the header of a known type stands here."""
+        data = self._data
+        if at + HEADER_BYTES > self._size or data[at] != 0xA3 or data[at + 1] != 0x95:
+            return False
+        return data[at + 2] == FORMAT_TYPE or self._routes[data[at + 2]] is not None
+
+    def _is_cut(self, at: i64, end: i64) -> bool:
+        """Whether another record begins inside this one, and a further one right behind that."""
+        inside = self._next_magic(at + 1, end)
+        while inside < end:
+            length = self._length(inside)
+            if length > 0 and (self._begins(inside + length) or inside + length == self._size):
+                return True
+            inside = self._next_magic(inside + 1, end)
+        return False
+
+    def _is_in_time(self, at: i64) -> bool:
+        """Whether the record has a time that goes on from the newest one."""
+        route = self._routes[self._data[at + 2]]
+        if route is None or not route.record_format.is_readable:
+            return False
+        column, unit_ns = time_column(route.record_format)
+        reader = _NUMBERS.get(route.record_format.codes[column]) if column >= 0 else None
+        if reader is None:
+            return False
+        t_ns: float = reader.unpack_from(self._data, at + route.record_format.offsets[column])[0] * unit_ns
+        return isfinite(t_ns) and abs(t_ns - self._router.clock.now_ns) <= LONGEST_GAP_NS
+
+    def _next_magic(self, at: i64, stop: i64) -> i64:
+        """The next place before ``stop`` where a record may begin; ``stop`` if there is none."""
+        found: i64 = self._data.find(MAGIC, at, stop + 1)
+        return found if 0 <= found < stop else stop
