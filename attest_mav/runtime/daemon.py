@@ -89,7 +89,7 @@ class Daemon:
         self.service.stop()
         self._put_out(time.monotonic_ns())
         if self._keeper is not None:
-            self._keeper.write()
+            self._keeper.finish()
         for link in self.links:
             link.close()
         self.loop.close()

@@ -4,6 +4,7 @@ import logging
 import os
 import time
 from collections.abc import Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Final
 
@@ -33,11 +34,16 @@ def state_path(folder: str, environment: Mapping[str, str]) -> Path:
 
 
 class StateKeeper(Handler):
-    """Restores the state of a service, and writes it from time to time. ConfigError where it cannot be written."""
+    """Restores the state of a service, and writes it from time to time. ConfigError where it cannot be written.
+
+    A thread of its own writes: a memory card may take seconds, and the loop waits for nothing.
+    """
 
     def __init__(self, persistence: Persistence, path: Path, now_ns: int) -> None:
         self._persistence: Final = persistence
         self._path: Final = path
+        self._disk: Final = ThreadPoolExecutor(1, "state")
+        self._writing: tuple[KeptState, Future[None]] | None = None
         self._due_ns = now_ns + LOOK_NS
         self._time_due_ns = now_ns + PERIOD_NS
         self._is_failing = False
@@ -45,7 +51,7 @@ class StateKeeper(Handler):
         persistence.restore(self._written, time.time_ns(), now_ns)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._write()
+            _write(path, persistence.state)
         except OSError as error:
             raise ConfigError(f"state.folder: cannot make {path.parent}: {reason_of(error)}") from None
         except UnwritableError as error:
@@ -57,33 +63,52 @@ class StateKeeper(Handler):
         return self._due_ns
 
     def due(self, now_ns: int) -> None:
-        """Tell the service the time of day, which may have been set, and write what is due."""
+        """Tell the service the time of day, which may have been set, and begin to write what is due."""
         self._due_ns = now_ns + LOOK_NS
         self._persistence.set_time(time.time_ns(), now_ns)
-        if now_ns >= self._time_due_ns or self._persistence.state.parameters != self._written.parameters:
+        if self._writing is not None and self._writing[1].done():
+            self.settle()
+        is_due = now_ns >= self._time_due_ns or self._persistence.state.parameters != self._written.parameters
+        if is_due and self._writing is None:
             self._time_due_ns = now_ns + PERIOD_NS
-            self.write()
+            self._begin()
 
-    def write(self) -> None:
-        """Write the state; a failure is told once, and so is its end."""
+    def settle(self) -> None:
+        """Wait until the file is written. A failure is told once, and so is its end."""
+        if self._writing is None:
+            return
+        state, outcome = self._writing
+        self._writing = None
         try:
-            self._write()
+            outcome.result()
         except UnwritableError as error:
             if not self._is_failing:
                 log.warning("%s; a restart would lose parameters that were set, and the time of signatures", error)
             self._is_failing = True
             return
+        self._written = state
         if self._is_failing:
             log.info("%s is written again", self._path)
         self._is_failing = False
 
-    def _write(self) -> None:
+    def finish(self) -> None:
+        """Write the last state, and wait for it."""
+        self.settle()
+        self._begin()
+        self.settle()
+        self._disk.shutdown()
+
+    def _begin(self) -> None:
         state = self._persistence.state
-        with atomic_write(self._path) as file:
-            file.write(state_text(state))
-            file.flush()
-            os.fsync(file.fileno())
-        self._written = state
+        self._writing = state, self._disk.submit(_write, self._path, state)
+
+
+def _write(path: Path, state: KeptState) -> None:
+    """Write the file so that it is on the disk when this returns."""
+    with atomic_write(path) as file:
+        file.write(state_text(state))
+        file.flush()
+        os.fsync(file.fileno())
 
 
 def _read(path: Path) -> KeptState:

@@ -1,6 +1,7 @@
 """The state file: written where it must be, read back, and told about when that fails."""
 
 import json
+import threading
 from pathlib import Path
 
 import pytest
@@ -35,6 +36,7 @@ def test_the_time_of_signatures_is_written_at_once_and_again_within_a_minute(tmp
     assert first > 3 * 10**13, "after 2024"
     for _ in range(10):
         keeper.due(keeper.next_deadline_ns)
+        keeper.settle()
     assert keeper.next_deadline_ns <= 60_000_000_000
     assert kept(path) - first >= 29 * 100_000
     assert [one.name for one in path.parent.iterdir()] == ["state.json"]
@@ -69,13 +71,34 @@ def test_a_failure_later_is_told_once_and_so_is_its_end(tmp_path, service, caplo
     (folder / "state.json").unlink()
     folder.rmdir()
     keeper.due(30_000_000_000)
+    keeper.settle()
     keeper.due(60_000_000_000)
+    keeper.settle()
     folder.mkdir()
     keeper.due(90_000_000_000)
+    keeper.settle()
     told = [one for one in caplog.messages if "state.json" in one]
     assert len(told) == 2
     assert "cannot write" in told[0]
     assert "is written again" in told[1]
+
+
+def test_a_disk_that_does_not_answer_holds_up_nothing_and_gets_one_write_at_a_time(tmp_path, service, monkeypatch):
+    keeper = StateKeeper(service.persistence, tmp_path / "state.json", 0)
+    answers, begun = threading.Event(), []
+
+    def slow(path, _state):
+        begun.append(path)
+        answers.wait(30.0)
+
+    monkeypatch.setattr("attest_mav.runtime.state_keeper._write", slow)
+    for now_s in (30, 60, 90):
+        keeper.due(now_s * 1_000_000_000)
+    answers.set()
+    keeper.settle()
+    assert len(begun) == 1
+    keeper.finish()
+    assert len(begun) == 2
 
 
 @pytest.mark.parametrize(
