@@ -13,7 +13,7 @@ ed., chapter 14.
 
 from dataclasses import dataclass, field, replace
 from math import asin, hypot, isfinite, nan, pi
-from typing import cast
+from typing import Final, cast
 
 from attest_mav.algebra import add, clamp, q_continuous, q_exp, q_mul, rotate, scale, sub
 from attest_mav.filters.base import AttitudeFilter, FilterInputs, FilterState, Start
@@ -43,6 +43,9 @@ from attest_mav.plausible import is_rate
 from attest_mav.samples import ImuSample
 from attest_mav.types import Quat, Vec3
 from attest_mav.vehicle_settings import Setting, VehicleSettings
+
+USUAL_MAG_DELAY_S: Final = FlightParameters().mag_delay_s
+"""The magnetometer's delay if nobody has set it, which a log's own takes the place of, s."""
 
 
 @dataclass(frozen=True)
@@ -83,11 +86,13 @@ class VelocityAided(AttitudeFilter):
             sigma_s = known.get_or(Setting.LOW_PASS_DELAY_SIGMA_S, 0.0)
             parameters = replace(parameters, low_pass_delay_sigma=sigma_s)
         fix_delay = self.fix_delay_from_vehicle and isfinite(known.fix_delay_s)
+        mag_delay_s = parameters.mag_delay_s
+        is_usual = mag_delay_s == USUAL_MAG_DELAY_S
         informed = replace(
             parameters,
             low_pass_hz=known.low_pass_hz if low_pass else parameters.low_pass_hz,
             fix_delay_s=known.fix_delay_s if fix_delay else parameters.fix_delay_s,
-            mag_delay_s=known.get_or(Setting.FIELD_DELAY_S, parameters.mag_delay_s),
+            mag_delay_s=known.get_or(Setting.FIELD_DELAY_S, mag_delay_s) if is_usual else mag_delay_s,
         )
         return VelocityAided(informed, self.low_pass_from_vehicle, self.fix_delay_from_vehicle)
 

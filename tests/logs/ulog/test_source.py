@@ -2,6 +2,7 @@
 
 import random
 import struct
+from dataclasses import replace
 from math import cos, isnan, radians, sin
 
 import pytest
@@ -171,6 +172,8 @@ def test_parameters_and_their_changes(writer):
     informed = VelocityAided().with_vehicle_settings(vehicle.settings).parameters
     assert (informed.fix_delay_s, informed.low_pass_hz) == (pytest.approx(0.06), 0.0)
     assert informed.mag_delay_s < VelocityAided().parameters.mag_delay_s
+    chosen = VelocityAided(replace(VelocityAided().parameters, mag_delay_s=0.1))
+    assert chosen.with_vehicle_settings(vehicle.settings).parameters.mag_delay_s == 0.1
 
 
 def test_a_vehicle_that_says_nothing_may_be_under_way(log):
