@@ -6,7 +6,7 @@ from pymavlink.dialects.v20 import all as pymav
 from attest_mav.mavlink import constants
 from attest_mav.mavlink.wire import frame
 
-OWN = {"INERTIAL_MESSAGES", "UINT8_MAX", "UINT16_MAX", "MAVLINK_VERSION", "NO_DATA_STREAM"}
+OWN = {"INERTIAL_MESSAGES", "OTHER_SENSORS", "UINT8_MAX", "UINT16_MAX", "MAVLINK_VERSION", "NO_DATA_STREAM"}
 """Names that stand for no entry of an enum; tested below."""
 GROUPS = {f"HIGHRES_IMU_UPDATED_{sensor}": sensor for sensor in ("ACCEL", "GYRO", "MAG")}
 ENUM_NAMES = sorted(name for name in vars(constants) if name.isupper() and name not in OWN | set(GROUPS))
