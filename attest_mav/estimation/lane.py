@@ -81,6 +81,11 @@ class Lane:
         return self._timebase.usual_s
 
     @property
+    def field_lost_s(self) -> float:
+        """Time since the magnetometer could last be used, s; 0 where it never could."""
+        return self._field.absent_s if self._field.was_used else 0.0
+
+    @property
     def rests_on(self) -> str:
         """The aiding of the filter, see ``FilterState.rests_on``; "" before it runs."""
         state = self._run.state

@@ -55,6 +55,8 @@ class StuckMagnetometer:
         self._turned = 0.0
         self.absent_s = 0.0
         """Time since a field could last be used, s."""
+        self.was_used = False
+        """Whether one could ever be used."""
 
     def usable(self, sample: ImuSample, turn: float, dt_s: float) -> bool:
         """True when the sample's field can be used. ``turn``: angle turned since the sample before, rad."""
@@ -67,4 +69,5 @@ class StuckMagnetometer:
             self.absent_s += dt_s
             return False
         self.absent_s = 0.0
+        self.was_used = True
         return True

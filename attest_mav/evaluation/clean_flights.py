@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from math import degrees, isfinite, radians
+from math import degrees, isfinite
 from typing import Final
 
 from attest_mav.algebra import tilt_between
@@ -10,14 +10,13 @@ from attest_mav.config.records import parse_config
 from attest_mav.errors import UsageError
 from attest_mav.estimation.events import Agreement
 from attest_mav.evaluation.harness import TrialMap
+from attest_mav.evaluation.service_flight import PlainLine, ServiceFlight
 from attest_mav.mavlink.dialect import Dialect, load_dialect
-from attest_mav.service.assembly import service_settings
 from attest_mav.service.service import Service
 from attest_mav.sim.autopilot import FakeAutopilot
 from attest_mav.sim.personality import PERSONALITIES
 from attest_mav.sim.scenarios import SCENARIOS
 from attest_mav.sim.settings import SimSettings
-from attest_mav.types import EarthField
 
 SETTLED_S: Final = 30.0
 """The first seconds are no part of the figures: alignment and first contact."""
@@ -102,30 +101,21 @@ def fly(flight: CleanFlight) -> CleanFigures:
     dialect = load_dialect()
     vehicle = FakeAutopilot(settings, flight.seed, dialect)
     config = parse_config('[[link]]\nurl = "udpin::0"\n', "clean flight")
-    earth = settings.earth
-    field = EarthField(radians(earth.declination_deg), radians(earth.inclination_deg))
-    service = Service(service_settings(config), ["link"], dialect, lambda *_: (field, "the simulator's"), 0)
+    flown = ServiceFlight(vehicle, config, dialect, PlainLine())
     watch = _Watch(dialect, vehicle)
-    now_ns, look_ns, end_ns = 0, 0, round(flight.seconds * 1e9)
-    while now_ns < end_ns:
-        now_ns = max(min(vehicle.next_deadline_ns, service.due_ns, look_ns), now_ns + 100_000)
-        service.receive(0, b"".join(vehicle.frames_until(now_ns)), now_ns)
-        if service.due_ns <= now_ns:
-            service.poll(now_ns)
-        frames = service.take_frames(0)
-        watch.sent(frames, now_ns)
-        for frame in frames:
-            vehicle.handle(frame, now_ns)
-        service.take_notes()
-        if now_ns >= look_ns:
-            look_ns = now_ns + LOOK_NS
-            watch.look(service, now_ns)
+    look_ns, end_ns = 0, round(flight.seconds * 1e9)
+    while flown.now_ns < end_ns:
+        watch.sent(flown.advance(look_ns), flown.now_ns)
+        flown.service.take_notes()
+        if flown.now_ns >= look_ns:
+            look_ns = flown.now_ns + LOOK_NS
+            watch.look(flown.service, flown.now_ns)
     step_s = LOOK_NS * 1e-9
-    flown = sum(watch.counts.values())
+    looks = sum(watch.counts.values())
     name = f"{flight.personality} {flight.scenario}"
     disagree, undecided = watch.counts[Agreement.DISAGREE], watch.counts[Agreement.UNDECIDED]
     worst_deg = degrees(watch.worst_tilt)
-    return CleanFigures(name, flown * step_s, disagree * step_s, undecided * step_s, watch.silent * step_s, worst_deg)
+    return CleanFigures(name, looks * step_s, disagree * step_s, undecided * step_s, watch.silent * step_s, worst_deg)
 
 
 def flights(hours: float, seconds: float, seed: int) -> list[CleanFlight]:

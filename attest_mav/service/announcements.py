@@ -11,6 +11,7 @@ from attest_mav.estimation.events import Agreement, LaneEvent, LaneEventKind, Ve
 from attest_mav.estimation.verdict_intervals import IntervalChange, VerdictInterval
 from attest_mav.mavlink.component.announcer import Announcement
 from attest_mav.mavlink.component.companion import Companion
+from attest_mav.mavlink.component.line_limit import LineLimit
 from attest_mav.mavlink.component.notes import Notebook
 from attest_mav.mavlink.constants import MAV_SEVERITY_CRITICAL, MAV_SEVERITY_NOTICE, MAV_SEVERITY_WARNING
 from attest_mav.service.publication_gate import GateChange
@@ -29,6 +30,9 @@ LANE_STOPS: Final = {LaneEventKind.STOPPED, LaneEventKind.DELAYED}
 LANE_NOTICES: Final = {LaneEventKind.HEADING_FOUND, LaneEventKind.RETURNED, LaneEventKind.RECEIVER_USED}
 """Events of a lane that are announced; those that stop publishing are announced as that."""
 
+GAPS_A_MINUTE: Final = 3
+"""Lines of the log on short gaps of one lane: a link that loses many frames makes several gaps a second."""
+
 
 class Announcements:
     """Writes the changes of one service. ``companion``: sends the texts."""
@@ -36,10 +40,16 @@ class Announcements:
     def __init__(self, companion: Companion) -> None:
         self._companion: Final = companion
         self._notebook: Final[Notebook] = companion.notebook
+        self._gaps: Final = LineLimit(GAPS_A_MINUTE)
 
     def lane_event(self, event: LaneEvent) -> None:
         """Tell what happened to a lane."""
         text = f"{event.lane}: {event.text}"
+        if event.kind == LaneEventKind.GAP:
+            suffix = self._gaps.suffix(event.lane, event.rx_ns)
+            if suffix is not None:
+                self._note(False, text + suffix)
+            return
         is_warning = event.kind in LANE_WARNINGS
         self._note(is_warning, text)
         if event.kind in LANE_STOPS or not (is_warning or event.kind in LANE_NOTICES):

@@ -19,6 +19,8 @@ STATE_NAMES: Final = {
 }
 NORTH_NAMES: Final = {North.RELATIVE: "from the start", North.MAGNETIC: "magnetic", North.TRUE: "true"}
 
+TOLD_FIELD_S: Final = 2.0
+"""A magnetometer that is missing for less is not worth a word, s."""
 TOLD_DELAY_S: Final = 0.1
 """A smaller delay of the samples is not worth a word, s."""
 
@@ -134,6 +136,13 @@ def _filter_texts(now: Snapshot, lane: LaneSnapshot, estimate: Estimate) -> list
 def _sensor_texts(now: Snapshot) -> list[str]:
     """The sensors with their faults, or why there is one alone."""
     if len(now.lanes) > 1:
-        sensors = [f"{one.source} set aside ({one.fault})" if one.fault else one.source for one in now.lanes]
-        return [f"sensors {', '.join(sensors)}"]
-    return [f"one sensor: {now.single_imu}"] if now.single_imu else []
+        return [f"sensors {', '.join(_sensor_text(lane) for lane in now.lanes)}"]
+    lost = [f"{lane.source} without magnetometer" for lane in now.lanes if lane.field_lost_s > TOLD_FIELD_S]
+    return lost + ([f"one sensor: {now.single_imu}"] if now.single_imu else [])
+
+
+def _sensor_text(lane: LaneSnapshot) -> str:
+    """One of several sensors, with what is wrong with it."""
+    if lane.fault:
+        return f"{lane.source} set aside ({lane.fault})"
+    return f"{lane.source} without magnetometer" if lane.field_lost_s > TOLD_FIELD_S else lane.source

@@ -121,3 +121,17 @@ def test_without_requests_nothing_is_asked_of_the_autopilot_itself(flight):
     f = flight("[streams]\nrequest = false\n", sim("hover"))
     f.run_until(5.0)
     assert f.of_type("COMMAND_LONG") == []
+
+
+def test_gaps_without_end_are_a_few_lines_a_minute(flight):
+    """A line for each would be three a second."""
+    f = flight("", sim("still"))
+    f.run_until(10.0)
+    whole, count = f.vehicle.frames_until, itertools.count()
+    f.vehicle.frames_until = lambda now_ns: whole(now_ns) if next(count) % 40 > 15 else (whole(now_ns), [])[1]
+    f.run_until(60.0)
+    gaps = [text for text in f.texts if "RAW_IMU: no samples for 0." in text]
+    assert len(gaps) == 3
+    assert f.snapshot().lanes[0].gaps > 20
+    f.run_until(75.0)
+    assert any("more such lines were left out" in text for text in f.texts)

@@ -60,14 +60,17 @@ class ImuChoice:
         return True
 
     def poll(self, refused: bool, now_ns: int) -> bool:
-        """Try the next candidate when this one is ``refused`` or does not arrive; True when a request is due."""
+        """Try the next candidate when this one is ``refused`` or does not arrive; True when a request is due.
+
+        A refused one is waited for too once all have failed: it may come without a request.
+        """
         if self.chosen:
             if now_ns < self._due_ns:
                 return False
             self.chosen = ""
             self._index = 0
             self._patience_ns = PATIENCE_NS
-        elif not refused and now_ns < self._due_ns:
+        elif now_ns < self._due_ns and not (refused and self.rounds == 0):
             return False
         else:
             self._index += 1

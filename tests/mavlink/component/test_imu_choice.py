@@ -44,3 +44,13 @@ def test_one_message_alone_is_asked_for_again():
     choice = ImuChoice(["A"], 0)
     assert choice.poll(False, choice.next_deadline_ns)
     assert choice.candidate == "A"
+
+
+def test_where_all_are_refused_each_is_waited_for():
+    """Messages may come although every command is denied."""
+    choice = ImuChoice(["A", "B"], 0)
+    assert choice.poll(True, 0)
+    assert choice.poll(True, 0)
+    assert choice.candidate == "A"
+    assert not choice.poll(True, SECOND), "no round of requests without a pause"
+    assert choice.take("A", 2 * SECOND)
