@@ -3,7 +3,8 @@
 Waiting
     A candidate with a known id whose end has not arrived holds back what is behind it, for at most 279 bytes (the
     longest frame less one). One with an unknown id where a frame is expected does so for at most 1119 bytes (four
-    frames less one). So a false magic delays frames and loses none; ``Framer.finish`` ends the wait.
+    frames less one). A candidate inside a frame that was found behind garbage holds this frame back too, since it may
+    be the real one. So a false magic delays frames and loses none; ``Framer.finish`` ends the wait.
 """
 
 from mypy_extensions import i64

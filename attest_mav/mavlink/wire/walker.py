@@ -93,7 +93,9 @@ class Walker:
         self._out = []
         while self._place < stop:
             size = self._candidates.at(self._place)
-            if size > 0 and not (self._searching and self._doubtful(size)):
+            if size > 0 and self._searching:
+                size = self._weighed(size)
+            if size > 0:
                 self._take(size)
                 continue
             if size == UNKNOWN_ID and not self._searching:
@@ -112,17 +114,26 @@ class Walker:
         self._out = []
         return out
 
-    def _doubtful(self, size: i64) -> bool:
-        """Whether the frame just found in a search rather is a coincidence: see the module's theory."""
-        behind = self._place + size
-        if self._candidates.at(behind + self._lead) > 0:
-            return False
+    def _weighed(self, size: i64) -> i64:
+        """The size of the frame just found in a search; NO_FRAME where it rather is a coincidence: see the theory.
+
+        INCOMPLETE while bytes that decide are missing: how the bytes are cut must not change the frames.
+        """
+        end = self._place + size
+        behind = self._candidates.at(end + self._lead)
+        if behind > 0:
+            return size
+        waits = behind == INCOMPLETE and not self._final
+        found = size
         inside = self._place + 1
-        while inside < behind:
-            if self._candidates.at(inside) > 0:
-                return True
+        while inside < end:
+            other = self._candidates.at(inside)
+            if other > 0:
+                return INCOMPLETE if waits else NO_FRAME
+            if other == INCOMPLETE and not self._final:
+                found = INCOMPLETE
             inside += 1
-        return False
+        return found
 
     def _proven_unknown(self) -> i64:
         """Size of the frame with an unknown id at the expected place; INCOMPLETE while undecided; else NO_FRAME."""

@@ -221,6 +221,19 @@ def test_a_coincidence_in_a_search_gives_way_to_the_real_frame(dialect):
     assert rebuilt(stream, framer.feed(stream, 0)) == [real]
 
 
+@pytest.mark.parametrize("size", [1, 7, 60])
+def test_a_frame_cut_in_its_signature_gives_way_to_the_real_one_however_the_bytes_come(dialect, sender, messages, size):
+    """Its checksum fits, and the first bytes of the next frame stand where its signature should."""
+    cut = sender.pack(messages[0], "signed")[:-9]
+    real = sender.pack(messages[1], "signed")
+    stream = b"garbage" + cut + real
+    framer = Framer(dialect, None)
+    found = [
+        one for begin in range(0, len(stream), size) for one in framer.feed(stream[begin : begin + size], 0)
+    ] + framer.finish(0)
+    assert rebuilt(stream, found) == [real]
+
+
 # --- unknown ids ---------------------------------------------------------------------------------------------------
 
 

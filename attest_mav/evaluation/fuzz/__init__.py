@@ -1,0 +1,1 @@
+"""Random inputs with invariants that must hold whatever comes: one seed is one run, and repeats it exactly."""
