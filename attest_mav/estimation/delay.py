@@ -21,6 +21,9 @@ EARLIEST_NS: Final = -1_000_000_000
 SLACK_NS: Final = 500_000_000
 """A smaller age than the first, or one by more than the second beyond what the round trip allows, shows that the
 timestamps do not come from the clock that answers."""
+PATIENCE_NS: Final = 3_000_000_000
+"""Where ages have been possible before, the second counts after this time, or after the age itself where that is
+less: an answer may have overtaken a backlog, which has come by then."""
 
 
 class DelayMeter:
@@ -33,6 +36,8 @@ class DelayMeter:
         self._drift: Final = drift
         self._last_rx_ns = -1
         self._foreign_at = -1
+        self._has_fitted = False
+        self._too_old_since_ns = -1
 
     def delay_s(self, t_ns: int, rx_ns: int) -> float:
         """How late this sample came, s; t_ns by the sensor's clock, rx_ns by the host's."""
@@ -48,9 +53,21 @@ class DelayMeter:
         if not clock.is_known or self._foreign_at == clock.jumps:
             return (difference_ns - self.least_ns) * 1e-9
         age_ns = wrapped_difference_ns(difference_ns, clock.offset_ns(rx_ns))
-        if not EARLIEST_NS <= age_ns <= clock.oldest_ns(rx_ns) + SLACK_NS:
+        if self._is_foreign(age_ns, clock.oldest_ns(rx_ns) + SLACK_NS, rx_ns):
             self._foreign_at = clock.jumps  # until the clock that answers is found to have been set
             return (difference_ns - self.least_ns) * 1e-9
         # No sample comes before it was taken: a smaller difference was that of another setting of the clock.
         self.least_ns = max(self.least_ns, difference_ns - max(0, age_ns + clock.uncertainty_ns(rx_ns)))
         return max(0, age_ns) * 1e-9
+
+    def _is_foreign(self, age_ns: int, oldest_ns: int, rx_ns: int) -> bool:
+        """Whether no sample of the clock that answers can have this age."""
+        if age_ns <= oldest_ns:
+            self._too_old_since_ns = -1
+            self._has_fitted = self._has_fitted or age_ns >= EARLIEST_NS
+            return age_ns < EARLIEST_NS
+        if not self._has_fitted:
+            return True
+        if self._too_old_since_ns < 0:
+            self._too_old_since_ns = rx_ns
+        return rx_ns - self._too_old_since_ns >= min(age_ns, PATIENCE_NS)

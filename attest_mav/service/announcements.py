@@ -30,6 +30,8 @@ LANE_STOPS: Final = {LaneEventKind.STOPPED, LaneEventKind.DELAYED}
 LANE_NOTICES: Final = {LaneEventKind.HEADING_FOUND, LaneEventKind.RETURNED, LaneEventKind.RECEIVER_USED}
 """Events of a lane that are announced; those that stop publishing are announced as that."""
 
+VERDICTS_A_MINUTE: Final = 20
+"""Lines of the log on verdicts, and as many on their intervals: forged attitudes can change the verdict at will."""
 GAPS_A_MINUTE: Final = 3
 """Lines of the log on short gaps of one lane: a link that loses many frames makes several gaps a second."""
 
@@ -41,6 +43,7 @@ class Announcements:
         self._companion: Final = companion
         self._notebook: Final[Notebook] = companion.notebook
         self._gaps: Final = LineLimit(GAPS_A_MINUTE)
+        self._verdicts: Final = LineLimit(VERDICTS_A_MINUTE)
 
     def lane_event(self, event: LaneEvent) -> None:
         """Tell what happened to a lane."""
@@ -71,7 +74,10 @@ class Announcements:
         if ended is not None:
             self.interval(ended)
         suffix = f"; the autopilot itself {', '.join(reports)}" if reports else ""
-        self._note(verdict.agreement == Agreement.DISAGREE, f"verdict: {verdict_text(verdict)}{suffix}")
+        left_out = self._verdicts.suffix("verdict", verdict.rx_ns)
+        if left_out is not None:
+            is_wrong = verdict.agreement == Agreement.DISAGREE
+            self._note(is_wrong, f"verdict: {verdict_text(verdict)}{suffix}{left_out}")
         if ended is None and verdict.agreement == Agreement.UNDECIDED:
             return
         doubt = verdict.agreement == Agreement.UNDECIDED and ended is not None and ended.agreement == Agreement.AGREE
@@ -83,7 +89,9 @@ class Announcements:
 
     def interval(self, ended: VerdictInterval) -> None:
         """Write an interval that has ended into the log."""
-        self._notebook.info(f"verdict interval: {interval_text(ended)}")
+        left_out = self._verdicts.suffix("interval", ended.end_ns)
+        if left_out is not None:
+            self._notebook.info(f"verdict interval: {interval_text(ended)}{left_out}")
 
     def _note(self, is_warning: bool, text: str) -> None:
         note = self._notebook.warning if is_warning else self._notebook.info

@@ -108,3 +108,13 @@ def test_a_clock_that_stood_still_is_found_out_by_the_next_answer():
     assert 5 * S - 10 * MS < meter.least_ns <= 5 * S + 2 * MS, (
         "the quickest arrival is that of the clock as it runs now"
     )
+
+
+def test_a_backlog_that_an_answer_overtook_stays_old():
+    clock = ClockOffset()
+    meter = DelayMeter(clock, DRIFT)
+    clock.take(TimeExchange(0, 5 * MS, 10 * MS))
+    assert meter.delay_s(20 * MS, 22 * MS) == pytest.approx(0.002)
+    clock.take(TimeExchange(3 * S, 3 * S + 5 * MS, 3 * S + 10 * MS))
+    late = [meter.delay_s(S + k * 20 * MS, 3 * S + 10 * MS + k * 20 * MS) for k in range(50)]
+    assert min(late) == pytest.approx(2.005, abs=0.01)
