@@ -61,7 +61,8 @@ class ServiceFlight:
         for arrival_ns, data in self._line.deliver(now_ns, self.vehicle.frames_until(now_ns)):
             self._delivered += 1
             heappush(self._on_the_way, (arrival_ns, self._delivered, data))
-        self.service.receive(0, b"".join(self._arrived(now_ns)), now_ns)
+        for data in self._arrived(now_ns):
+            self.take(data)
         if self.service.due_ns <= now_ns:
             self.service.poll(now_ns)
         sent = self.service.take_frames(0)
@@ -69,6 +70,10 @@ class ServiceFlight:
             if self._line.passes(now_ns, frame):
                 self.vehicle.handle(frame, now_ns)
         return sent
+
+    def take(self, data: bytes) -> None:
+        """Bytes arrive at the service."""
+        self.service.receive(0, data, self.now_ns)
 
     def _arrived(self, now_ns: int) -> Iterable[bytes]:
         while self._on_the_way and self._on_the_way[0][0] <= now_ns:

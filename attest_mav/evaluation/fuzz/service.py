@@ -5,11 +5,11 @@ from random import Random
 from typing import Final
 
 from attest_mav.algebra import norm, q_norm
-from attest_mav.config.records import parse_config
+from attest_mav.config.records import Config, parse_config
 from attest_mav.evaluation.disturbed_flights.frames import message_id
 from attest_mav.evaluation.fuzz.hostile_line import HostileLine
 from attest_mav.evaluation.fuzz.violation import require
-from attest_mav.evaluation.service_flight import ServiceFlight
+from attest_mav.evaluation.service_flight import Line, ServiceFlight
 from attest_mav.mavlink.dialect import Dialect, load_dialect
 from attest_mav.mavlink.wire.frame import CHECKSUM_BYTES, HEADER_V2
 from attest_mav.service.service import Service
@@ -49,10 +49,23 @@ name = "{}"
 """
 
 
+class _WatchedFlight(ServiceFlight):
+    """A flight that keeps the least tilt sigma of the present instant, in which several samples may have come."""
+
+    def __init__(self, vehicle: FakeAutopilot, config: Config, dialect: Dialect, line: Line) -> None:
+        super().__init__(vehicle, config, dialect, line)
+        self.least_sigma_deg = inf
+
+    def take(self, data: bytes) -> None:
+        """See ``ServiceFlight``."""
+        super().take(data)
+        self.least_sigma_deg = min(self.least_sigma_deg, _sigma(self.service))
+
+
 class _Watch:
     """Holds the invariants of one flight. is_honest: no stamp is edited or forged, so that ages can be told."""
 
-    def __init__(self, dialect: Dialect, flown: ServiceFlight, is_honest: bool) -> None:
+    def __init__(self, dialect: Dialect, flown: _WatchedFlight, is_honest: bool) -> None:
         self._flown: Final = flown
         self._is_honest: Final = is_honest
         self._plain: Final = dialect.layout("ATTITUDE_QUATERNION").pick(
@@ -62,26 +75,24 @@ class _Watch:
             "q", "rollspeed", "pitchspeed", "yawspeed", "covariance"
         )
         self._ids: Final = dialect.id_of("ATTITUDE_QUATERNION"), dialect.id_of("ATTITUDE_QUATERNION_COV")
-        self._sigma_before = inf
         self._lines = 0
         self._seen = flown.service.snapshot(0)
 
     def sent(self, frames: list[bytes]) -> None:
         """Check what was sent in this instant."""
-        sigma = _sigma(self._flown.service)
+        least = min(self._flown.least_sigma_deg, _sigma(self._flown.service))
+        self._flown.least_sigma_deg = _sigma(self._flown.service)
         for frame in frames:
             data = frame[HEADER_V2:-CHECKSUM_BYTES]
             if message_id(frame) == self._ids[0]:
                 boot_ms, *values = self._plain.unpack(data)
                 _check_motion(values[:4], values[4:])
-                least = min(sigma, self._sigma_before)
                 require(least <= MAX_SIGMA_DEG, f"sent at a tilt sigma of {least:.2f} deg, or unaligned")
                 self._check_age(boot_ms * 1e-3)
             elif message_id(frame) == self._ids[1]:
                 values = list(self._cov.unpack(data))
                 _check_motion(values[:4], values[4:7])
                 _check_covariance(values[7:])
-        self._sigma_before = sigma
 
     def _check_age(self, boot_s: float) -> None:
         if not self._is_honest or self._seen.clock.answers == 0:  # a delay from the start is not known then
@@ -89,7 +100,8 @@ class _Watch:
         flown = self._flown
         now_s = flown.now_ns * 1e-9
         # After a reboot a frame of the time before it may be on its way: its stamp is ahead of the new clock.
-        age_s = now_s - boot_s - (flown.vehicle.boot_ns * 1e-9 if boot_s <= now_s - flown.vehicle.boot_ns * 1e-9 else 0)
+        booted_s = flown.vehicle.boot_ns * 1e-9
+        age_s = now_s - boot_s - (booted_s if boot_s < now_s - booted_s + ROUNDING_S else 0.0)
         unknown_s = 0.5 * self._seen.clock.round_trip_s + DRIFT * now_s
         limit_s = STALE_S + ROUNDING_S + unknown_s
         require(age_s <= limit_s, f"sent {age_s:.3f} s old, limit {limit_s:.3f} s")
@@ -140,7 +152,7 @@ def fuzz_service(seed: int) -> int:
     )
     vehicle = FakeAutopilot(settings, seed, dialect)
     config = parse_config(CONFIG.format(rng.choice(FILTERS)), "fuzz")
-    flown = ServiceFlight(vehicle, config, dialect, HostileLine(rng, dialect, is_honest))
+    flown = _WatchedFlight(vehicle, config, dialect, HostileLine(rng, dialect, is_honest))
     watch = _Watch(dialect, flown, is_honest)
     steps, look_ns, end_ns = 0, 0, round(SECONDS * 1e9)
     while flown.now_ns < end_ns:

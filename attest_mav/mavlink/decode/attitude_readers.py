@@ -90,7 +90,7 @@ class SimStateReader(Reader):
         q: Quat = (values[0], values[1], values[2], values[3])
         euler: Vec3 = (values[4], values[5], values[6])
         rates: Vec3 = (values[7], values[8], values[9])
-        if q == (0.0, 0.0, 0.0, 0.0):
+        if q == (0.0, 0.0, 0.0, 0.0) and is_finite(euler):
             q = q_from_euler(euler[0], euler[1], euler[2])
         if not is_attitude(q) or not is_finite(rates):
             return self.refuse(frame, f"{q} is no attitude, or a rate is not finite")

@@ -161,6 +161,12 @@ def test_sim_state_without_quaternion_is_its_angles(hear):
     assert_same_rotation(sample.q_nb, matrix_of_euler(0.3, -0.7, 2.5))
 
 
+@pytest.mark.parametrize("euler", [(math.inf, 0.0, 0.0), (0.0, -math.inf, 0.0), (0.0, 0.0, math.nan)])
+def test_a_truth_without_a_quaternion_and_with_infinite_angles_is_refused(hear, euler):
+    assert hear(sim_state((0.0, 0.0, 0.0, 0.0), euler)) == []
+    assert "no attitude" in hear.decoder.refusals["SIM_STATE"]
+
+
 @pytest.mark.parametrize("q", [(0.5, 0.0, 0.0, 0.0), (math.nan, 0.0, 0.0, 1.0), (2.0, 0.0, 0.0, 0.0)])
 def test_what_is_no_rotation_is_refused(hear, q):
     assert hear(sim_state(q)) == []
