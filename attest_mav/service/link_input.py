@@ -24,6 +24,8 @@ class LinkInput:
         self._accepts: Final = accepts
         self._framers: Final[OrderedDict[int, Framer]] = OrderedDict()
         self._past: Final = [0, 0, 0, 0]
+        self.completed = False
+        """Whether the bytes fed last completed an intact frame, wanted or not."""
 
     @property
     def frames(self) -> int:
@@ -53,7 +55,10 @@ class LinkInput:
             if len(self._framers) > MAX_STREAMS:
                 self._retire(self._framers.popitem(last=False)[1])
         self._framers.move_to_end(stream)
-        return framer.feed(data, now_ns)
+        before = framer.frames
+        found = framer.feed(data, now_ns)
+        self.completed = framer.frames > before
+        return found
 
     def reset(self) -> None:
         """Forget what was received in part: the link began anew."""

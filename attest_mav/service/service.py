@@ -107,7 +107,8 @@ class Service:
         """
         companion, source = self._companion, self._inputs[link]
         self._signing.clock.advance(now_ns)
-        before = self._intact_frames(link)
+        verifier = self._signing.verifiers[link]
+        authentic = 0 if verifier is None else verifier.authentic
         for frame in source.feed(data, now_ns, stream):
             is_data = companion.handle(link, frame, now_ns)
             if companion.sender != self._sender:
@@ -120,12 +121,9 @@ class Service:
                 for exchange in companion.timesync.take():
                     self._vehicle.clock.take(exchange)
                 self.due_ns = now_ns  # a heartbeat, an answer, a command: something may follow from it
-        return self._intact_frames(link) > before
-
-    def _intact_frames(self, link: int) -> int:
-        """Frames of a link so far that let its sender be answered."""
-        verifier = self._signing.verifiers[link]
-        return verifier.authentic if verifier is not None and verifier.requires else self._inputs[link].frames
+        if verifier is not None and verifier.requires:
+            return verifier.authentic > authentic
+        return source.completed
 
     def link_restarted(self, link: int) -> None:
         """A link was opened again: a frame that was received in part is dropped."""
