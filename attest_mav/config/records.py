@@ -75,6 +75,8 @@ class LinkConfig(_Record, frozen=True):
     """The outputs on this link."""
     yield_to_onboard: bool = True
     """Hold ATTITUDE_QUATERNION back while another onboard computer of the vehicle is heard on the link."""
+    yield_to_stations: bool = True
+    """Hold it back likewise while a ground station is heard on a link that brings the vehicle too."""
     parameters: bool = False
     """Let ground stations read and set our parameters."""
     signing: Literal["off", "sign", "require"] = "off"

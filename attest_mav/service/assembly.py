@@ -76,7 +76,9 @@ def port_settings(link: LinkConfig, keys: Mapping[str, bytes]) -> PortSettings:
     signing = None
     if link.signing != "off":
         signing = SigningSettings(keys[link.key_file], link.signing == "require", link.accept_unsigned)
-    return PortSettings(link.publish, link.yield_to_onboard, parameters=link.parameters, signing=signing)
+    return PortSettings(
+        link.publish, link.yield_to_onboard, link.yield_to_stations, parameters=link.parameters, signing=signing
+    )
 
 
 def retuned(settings: PipelineSettings, parameters: OwnParameters) -> PipelineSettings:

@@ -51,9 +51,10 @@ class LinkSnapshot:
     attitudes_sent: int
     """Estimates published, each counted once in whichever messages; answers to requests are not counted."""
     held_back: bool
-    """Whether ATTITUDE_QUATERNION is held back, because another onboard computer is heard on the link."""
+    """Whether ATTITUDE_QUATERNION is held back, because another onboard computer, or a ground station beside the
+    vehicle, is heard on the link."""
     held_for: int
-    """Component id of that onboard computer, 0 for none."""
+    """Component id of that program, 0 for none."""
     changes: tuple[str, ...]
     """What other stations have changed in our outputs: message, rate and station."""
     signing: SigningSnapshot | None

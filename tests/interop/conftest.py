@@ -11,6 +11,8 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
+from .hub import Hub
+
 PATIENCE_S = 30.0
 """Nothing here takes a tenth of this on a quiet machine."""
 
@@ -69,6 +71,14 @@ class Program:
 def start(start_command: Callable[..., Program], command: list[str]) -> Callable[..., Program]:
     """Starts attest-mav with these arguments."""
     return lambda *arguments, **environment: start_command([*command, *arguments], environment)
+
+
+@pytest.fixture
+def hub() -> Iterator[Hub]:
+    """A router that gives every datagram to all others."""
+    router = Hub()
+    yield router
+    router.close()
 
 
 @pytest.fixture

@@ -75,3 +75,37 @@ def test_mavsdk_receives_our_attitude(start, ground_station):
         truth = vehicle.truth(q.timestamp_us * 1000).q_nb
         assert degrees(tilt_between(truth, (q.w, q.x, q.y, q.z))) < 1.5
     assert daemon.end() == 0
+
+
+def shared_link(start, hub, tmp_path, extra=""):
+    """A daemon and a vehicle on one hub; the daemon is settled when the ground station of the caller is heard."""
+    config = tmp_path / "shared.toml"
+    config.write_text(f"[[link]]\nurl = 'udpout:127.0.0.1:{hub.port}'\n{extra}[log]\nstatus_s = 0.5\n")
+    daemon = start("run", "--config", str(config))
+    start("sim", "--link", f"udpout:127.0.0.1:{hub.port}", "--scenario", "still", "--seed", str(SEED))
+    daemon.wait_for("ready")
+    return daemon
+
+
+@pytest.mark.parametrize(("extra", "is_ours"), [("", False), ("yield_to_stations = false\n", True)])
+def test_on_a_shared_link_our_attitude_takes_no_place_unless_configured(
+    start, hub, tmp_path, ground_station, extra, is_ours
+):
+    result = ground_station.add_any_connection(f"udpout://127.0.0.1:{hub.port}")
+    assert result == mavsdk.ConnectionResult.SUCCESS
+    daemon = shared_link(start, hub, tmp_path, extra)
+    system = wait_for_system(ground_station)
+    daemon.wait_for("sent 20|sent 19" if is_ours else "held back on udpout")
+    direct, telemetry = MavlinkDirect(system), Telemetry(system)
+    euler, quaternions, harmless = queue.Queue(), queue.Queue(), queue.Queue()
+    telemetry.subscribe_attitude_quaternion(lambda q, _: quaternions.put(q))
+    direct.subscribe_message("ATTITUDE", lambda message, _: euler.put(message))
+    direct.subscribe_message("ATTITUDE_QUATERNION_COV", lambda message, _: harmless.put(message))
+    assert {message.component_id for message in take(euler, 30)} == {1}, "the autopilot's own"
+    if is_ours:
+        take(quaternions, 20)
+        assert harmless.empty()
+    else:
+        assert {message.component_id for message in take(harmless, 5)} == {193}
+        assert quaternions.empty(), "telemetry shows nothing of ours"
+    assert daemon.end() == 0

@@ -18,6 +18,8 @@ class PortSettings:
     yields: bool = True
     """Outputs that can be taken for the autopilot's own are held back while another onboard computer of the vehicle is
     heard on the link."""
+    yields_to_stations: bool = True
+    """The same while a ground station is heard on a link that brings the vehicle too."""
     outputs: tuple[Output, ...] = OUTPUTS
     """All outputs that can be published or requested."""
     parameters: bool = False

@@ -31,6 +31,7 @@ from attest_mav.mavlink.constants import (
     MAV_MODE_FLAG_SAFETY_ARMED,
     MAV_STATE_BOOT,
     MAV_STATE_POWEROFF,
+    MAV_TYPE_GCS,
     MAV_TYPE_ONBOARD_CONTROLLER,
 )
 from attest_mav.mavlink.dialect import Dialect
@@ -220,6 +221,8 @@ class Companion:
         port.station_heard(frame.system, frame.component, now_ns)
         if vehicle_type == MAV_TYPE_ONBOARD_CONTROLLER and frame.system == self._system and not is_vehicle:
             port.onboard_heard(frame.component, now_ns)
+        elif vehicle_type == MAV_TYPE_GCS and vehicle is not None and vehicle.link == link:
+            port.ground_station_heard(frame.component, now_ns)
         return is_vehicle and self.traffic.take(link, frame, now_ns)
 
     def _hear_command(self, link: int, frame: Frame, now_ns: int) -> bool:

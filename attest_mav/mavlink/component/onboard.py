@@ -14,7 +14,7 @@ SUBSTITUTE_NS: Final = 200_000_000
 
 
 class OnboardWatch:
-    """The onboard computer heard last on one link. ``component``: its id, 0 while none is heard."""
+    """The onboard computer, or ground station, heard last on one link. component: its id, 0 while none is heard."""
 
     def __init__(self) -> None:
         self.component = 0

@@ -56,6 +56,7 @@ class Port:
         self._out: list[bytes] = []
         self._heartbeats: list[int] = []
         self._onboard: Final = OnboardWatch()
+        self._stations: Final = OnboardWatch()
         self._lines: Final = LineLimit()
         self._time_limit: Final = AnswerLimit()
 
@@ -104,18 +105,21 @@ class Port:
     def onboard_heard(self, component: int, now_ns: int) -> None:
         """Another onboard computer of the vehicle is heard: it may take our attitude for the autopilot's."""
         if self._misleading and self.settings.yields and self._onboard.heard(component, now_ns):
-            self._note(
-                "onboard",
-                f"{self._misleading} is held back: component {component} is an onboard computer too "
-                f"({self._misled} would take ours for the autopilot's); {SUBSTITUTE} goes out instead; "
-                "see yield_to_onboard",
-                now_ns,
-            )
+            self._tell_held(f"component {component} is an onboard computer too", "yield_to_onboard", now_ns)
+
+    def ground_station_heard(self, component: int, now_ns: int) -> None:
+        """A ground station is heard beside the vehicle: it may do the same."""
+        if self._misleading and self.settings.yields_to_stations and self._stations.heard(component, now_ns):
+            self._tell_held(f"component {component} is a ground station here too", "yield_to_stations", now_ns)
+
+    def _tell_held(self, cause: str, key: str, now_ns: int) -> None:
+        text = f"{self._misleading} is held back: {cause} ({self._misled} would take ours for the autopilot's)"
+        self._note(key, f"{text}; {SUBSTITUTE} goes out instead; see {key}", now_ns)
 
     @property
     def held_for(self) -> int:
         """Component for which outputs that can be taken for the autopilot's own are held back, 0 for none."""
-        return self._onboard.component
+        return self._onboard.component or self._stations.component
 
     def station_heard(self, system: int, component: int, now_ns: int) -> None:
         """A station is heard: intervals that it has set may go on."""
@@ -128,6 +132,8 @@ class Port:
         """End the intervals that others have set when their time has come, and what is held back likewise."""
         if self._onboard.left(now_ns):
             self._note("onboard-end", f"the other onboard computer is gone; {self._misleading} is sent again", now_ns)
+        if self._stations.left(now_ns):
+            self._note("station-end", f"the ground station is gone; {self._misleading} is sent again", now_ns)
         for channel in self._channels.values():
             schedule = channel.schedule
             reason = "" if schedule.interval is None else schedule.interval.ended(now_ns)

@@ -118,13 +118,28 @@ def test_who_is_not_to_yield_does_not(bench, estimate):
     assert len(b.of_type("ATTITUDE_QUATERNION")) == 1
 
 
-def test_a_ground_station_or_another_system_holds_nothing_back(bench, estimate):
+def test_another_system_holds_nothing_back(bench, estimate):
     b = bench()
     b.vehicle_heartbeat()
     b.hear(onboard_heartbeat(), system=42, component=191)
-    b.hear(onboard_heartbeat(vehicle_type=6), system=1, component=190)
     b.publish(estimate())
     assert len(b.of_type("ATTITUDE_QUATERNION")) == 1
+
+
+def test_a_ground_station_holds_it_back_where_the_vehicle_is_heard_too(bench, estimate):
+    b = bench(links=[BOTH, PortSettings(), PortSettings(yields_to_stations=False)])
+    b.vehicle_heartbeat(link=0)
+    station = onboard_heartbeat(vehicle_type=6)
+    for link in (0, 1, 2):
+        b.hear(station, system=255, component=190, link=link)
+    b.publish(estimate(t_s=1.0))
+    assert [len(b.of_type("ATTITUDE_QUATERNION", link)) for link in (0, 1, 2)] == [0, 1, 1]
+    assert len(b.of_type("ATTITUDE_QUATERNION_COV", 0)) == 1
+    b.run_until(6.0)
+    b.publish(estimate(t_s=6.0))
+    assert len(b.of_type("ATTITUDE_QUATERNION", 0)) == 1
+    assert any("held back: component 190 is a ground station here too" in note for note in b.notes)
+    assert any("the ground station is gone" in note for note in b.notes)
 
 
 def made_up_frames(encoder, publication):
@@ -184,7 +199,7 @@ def test_a_new_output_that_misleads_yields(bench, estimate):
 
 
 def test_an_interval_of_a_station_that_stays_ends_ten_minutes_after_its_command(bench, estimate):
-    b = bench()
+    b = bench(links=[PortSettings(yields_to_stations=False)])
     b.vehicle_heartbeat()
 
     def station_beats():
