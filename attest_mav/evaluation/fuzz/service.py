@@ -35,6 +35,8 @@ ROUNDING_S: Final = 0.022
 """A stamp is cut to milliseconds, and is up to an interval old when it is sent."""
 DRIFT: Final = 0.001
 """Share of the elapsed time by which a delay may grow unseen; half of a round trip is not known either."""
+FIRST_CONTACT_S: Final = 5.0
+"""Ages are held against their bound from then on: late first samples may be those of another clock, s."""
 SECONDS: Final = 20.0
 MOST_LINES: Final = 150
 """Lines of the log in one flight."""
@@ -95,16 +97,18 @@ class _Watch:
                 _check_covariance(values[7:])
 
     def _check_age(self, boot_s: float) -> None:
-        if not self._is_honest or self._seen.clock.answers == 0:  # a delay from the start is not known then
-            return
         flown = self._flown
         now_s = flown.now_ns * 1e-9
+        if not self._is_honest or now_s < FIRST_CONTACT_S:
+            return
         # After a reboot a frame of the time before it may be on its way: its stamp is ahead of the new clock.
         booted_s = flown.vehicle.boot_ns * 1e-9
         age_s = now_s - boot_s - (booted_s if boot_s < now_s - booted_s + ROUNDING_S else 0.0)
-        unknown_s = 0.5 * self._seen.clock.round_trip_s + DRIFT * now_s
-        limit_s = STALE_S + ROUNDING_S + unknown_s
-        require(age_s <= limit_s, f"sent {age_s:.3f} s old, limit {limit_s:.3f} s")
+        if age_s > STALE_S:
+            round_trip_s = flown.service.snapshot(flown.now_ns).clock.round_trip_s
+            limit_s = STALE_S + ROUNDING_S + 0.5 * round_trip_s + DRIFT * now_s
+            # Without an exchange, as after a reboot, a delay that is there from the start cannot be known.
+            require(age_s <= limit_s or round_trip_s == 0.0, f"sent {age_s:.3f} s old, limit {limit_s:.3f} s")
 
     def look(self) -> None:
         """Check once a second what is kept and told."""

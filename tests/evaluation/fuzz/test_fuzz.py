@@ -8,8 +8,9 @@ from attest_mav.evaluation.fuzz import decoder, framer, service
 from attest_mav.evaluation.fuzz.targets import TARGETS
 from attest_mav.evaluation.fuzz.values import payload
 from attest_mav.evaluation.fuzz.violation import InvariantError
-from attest_mav.mavlink.decode.attitude_readers import AttitudeReader
+from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.wire.framer import Framer
+from attest_mav.samples import AttitudeSample
 from attest_mav.service.publication_gate import PublicationGate
 
 
@@ -29,12 +30,35 @@ def run_all(target):
         target(seed)
 
 
-class LosingFramer(Framer):
-    """A framer that loses each tenth frame."""
+class LosingFramer:
+    """A framer that loses frames."""
+
+    def __init__(self, *arguments):
+        self._framer = Framer(*arguments)
 
     def feed(self, data, rx_ns):
-        found = super().feed(data, rx_ns)
-        return [frame for frame in found if frame.offset % 10]
+        return [frame for frame in self._framer.feed(data, rx_ns) if frame.offset % 10]
+
+    def finish(self, rx_ns):
+        return self._framer.finish(rx_ns)
+
+
+class ScalingDecoder:
+    """A decoder whose quaternions have the length 2."""
+
+    def __init__(self, *arguments):
+        self._decoder = Decoder(*arguments)
+
+    def __getattr__(self, name):
+        return getattr(self._decoder, name)
+
+    def decode(self, frame):
+        samples = self._decoder.decode(frame)
+        return [
+            one.with_attitude(tuple(2.0 * c for c in one.q_nb), frame_known=True)
+            for one in samples
+            if isinstance(one, AttitudeSample)
+        ]
 
 
 def test_a_framer_that_loses_frames_is_noticed(monkeypatch):
@@ -44,12 +68,7 @@ def test_a_framer_that_loses_frames_is_noticed(monkeypatch):
 
 
 def test_a_decoder_that_passes_on_any_quaternion_is_noticed(monkeypatch):
-    read = AttitudeReader.read
-
-    def scaled(reader, frame):
-        return [one.with_attitude(tuple(2.0 * c for c in one.q_nb), frame_known=True) for one in read(reader, frame)]
-
-    monkeypatch.setattr(AttitudeReader, "read", scaled)
+    monkeypatch.setattr(decoder, "Decoder", ScalingDecoder)
     with pytest.raises(InvariantError, match="the quaternion is"):
         run_all(decoder.fuzz_decoder)
 
