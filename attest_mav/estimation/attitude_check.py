@@ -10,8 +10,10 @@ from math import inf, nan
 from typing import Final
 
 from attest_mav.estimate import Estimate
+from attest_mav.estimation.difference import Member
 from attest_mav.estimation.events import Agreement, Verdict
-from attest_mav.estimation.verdict import Judge, Member, VerdictSettings
+from attest_mav.estimation.field_evidence import FieldReading
+from attest_mav.estimation.verdict import Judge, VerdictSettings
 from attest_mav.samples import AttitudeSample
 from attest_mav.types import AttitudeForm, AttitudeRole
 
@@ -67,10 +69,15 @@ class AttitudeCheck:
         return [self.undecided(UNKNOWN_FRAME, now_ns)]
 
     def take_estimate(
-        self, estimate: Estimate, members: Sequence[Member] = (), *, doubts: bool = False
+        self,
+        estimate: Estimate,
+        members: Sequence[Member] = (),
+        *,
+        doubts: bool = False,
+        field: FieldReading | None = None,
     ) -> list[Verdict]:
         """Take our newest attitude, see ``Judge.take_estimate``; the verdicts on attitudes that waited for it."""
-        return self._chosen(self.judge.take_estimate(estimate, members, doubts=doubts))
+        return self._chosen(self.judge.take_estimate(estimate, members, doubts=doubts, field=field))
 
     def undecided(self, reason: str, now_ns: int) -> Verdict:
         """There is no verdict any more, for this reason."""

@@ -246,7 +246,8 @@ class Pipeline:
                 witness = self._witness
                 if witness is None:
                     return [*self._check.take_estimate(event)]
-                return [*self._check.take_estimate(event, witness.members, doubts=witness.doubts)]
+                field = witness.field_reading
+                return [*self._check.take_estimate(event, witness.members, doubts=witness.doubts, field=field)]
         self.estimate = None
         self._check.judge.forget_estimate()
         return []

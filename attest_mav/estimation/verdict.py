@@ -1,27 +1,30 @@
 """The verdict: whether the autopilot's attitude agrees with ours.
 
-Tilt and heading are judged apart, never as Euler differences. Evidence is time, by the autopilot's own time stamps:
+Evidence is time, by the autopilot's own time stamps:
 it grows while the attitude differs from every attitude of ours that is not refuted, and falls while it does not, so
 that a repeated or an agreeing frame in between erases nothing.
 
 AGREE claims that both attitudes are good to the threshold, so our own sigma has to be small enough to say so.
-DISAGREE needs a difference above the threshold and above what our sigma explains, for a time. UNDECIDED is the rest,
-with the reason.
+DISAGREE needs a difference above the threshold and above what our sigma explains, for a time, and the magnetic field
+must not fit the autopilot's attitude as well as ours: gyros that are off alike turn all of ours. UNDECIDED is the
+rest, with the reason.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import hypot, isfinite, nan, radians
+from math import isfinite, nan, radians
 from typing import Final
 
-from attest_mav.algebra import heading_between, q_mul, tilt_between
+from attest_mav.algebra import q_conj, q_mul
 from attest_mav.estimate import Estimate
+from attest_mav.estimation.difference import SLOW_S, Difference, Member, difference_of
 from attest_mav.estimation.events import Agreement, Verdict
+from attest_mav.estimation.field_evidence import FieldReading
 from attest_mav.estimation.offset import OffsetMonitor
 from attest_mav.estimation.pairing import Carried, Pairing
 from attest_mav.estimation.reference import Reference
 from attest_mav.samples import AttitudeSample
-from attest_mav.types import North, Quat
+from attest_mav.types import Quat
 
 REASONS: Final = (
     "agrees",
@@ -40,17 +43,10 @@ REASONS: Final = (
     "unknown-frame",
 )
 """The codes of ``Verdict.reason``. settling: a difference has not lasted long enough to count, or an offset is being
-measured. disputed: our own attitudes differ on it. doubted: all of ours were contradicted just now. offset: a steady
+measured. disputed: our own attitudes differ on it. doubted: all of ours were contradicted just now,
+or the magnetic field is not for ours. offset: a steady
 one, as a trim that is not known makes it, or a trim that was changed in flight: the attitudes agree but for it, and
 nothing tells which trim is right."""
-
-TILT_SIGMAS: Final = 2.0
-HEADING_SIGMAS: Final = 3.0
-"""A difference must exceed this many of our sigmas. Heading errors last longer than tilt errors."""
-SLOW_S: Final = 0.1
-"""Inertial samples further apart hide motion: a lack of confidence is then put down to the rate."""
-SLOW_TILT_SIGMAS: Final = 3.0
-"""The same for the tilt beside such samples, where its error too lasts longer than a verdict takes."""
 
 
 @dataclass(frozen=True)
@@ -73,33 +69,6 @@ class VerdictSettings:
     """A reference older than this is none, unless the autopilot sends it at longer intervals."""
 
 
-class Member:
-    """One attitude that is not refuted, as it stands beside the selected estimate.
-
-    turn: body-side rotation from the selected attitude to this one. tilt_sigma, heading_sigma: rad.
-    """
-
-    def __init__(self, turn: Quat, tilt_sigma: float, heading_sigma: float) -> None:
-        self.turn: Final = turn
-        self.tilt_sigma: Final = tilt_sigma
-        self.heading_sigma: Final = heading_sigma
-
-
-class Difference:
-    """The autopilot's attitude beside one of ours.
-
-    tilt: rad, never negative. heading: rad, NaN without a common north. is_off: beyond what our sigma explains.
-    is_near: within the thresholds. reason: of the larger offence.
-    """
-
-    def __init__(self, tilt: float, heading: float, is_off: bool, is_near: bool, reason: str) -> None:
-        self.tilt: Final = tilt
-        self.heading: Final = heading
-        self.is_off: Final = is_off
-        self.is_near: Final = is_near
-        self.reason: Final = reason
-
-
 class Judge:
     """Weighs the autopilot's attitudes against the set of ours as both come."""
 
@@ -110,17 +79,25 @@ class Judge:
         self._pairing: Final = Pairing()
         self._members: tuple[Member, ...] = ()
         self._doubts = False
+        self._field: FieldReading | None = None
         self._sources: dict[str, Reference] = {}
 
     def take_estimate(
-        self, estimate: Estimate, members: Sequence[Member] = (), *, doubts: bool = False
+        self,
+        estimate: Estimate,
+        members: Sequence[Member] = (),
+        *,
+        doubts: bool = False,
+        field: FieldReading | None = None,
     ) -> list[Verdict]:
         """Remember the newest estimate, and the attitudes beside it that are not refuted; verdicts that waited.
 
         doubts: neither agreement nor disagreement can be said at present; evidence is collected all the same.
+        field: the newest reading of the magnetometer, None without one.
         """
         self._members = tuple(members)
         self._doubts = doubts
+        self._field = field
         return [self._weigh(reference) for reference in self._pairing.take(estimate)]
 
     def forget_estimate(self) -> None:
@@ -169,6 +146,9 @@ class Judge:
             source.offset.learn(carried.q_nb, sample, estimate.tilt_sigma)
         theirs = sample.q_nb if sample.frame_known else source.offset.undone(sample)
         differences = self._differences(carried, theirs, source.disagrees)
+        if self._field is not None:
+            agree = differences[0].is_near and not (differences[0].is_off or self._doubts)
+            source.field.take(self._field, q_mul(theirs, q_conj(carried.q_nb)), agree)
         frozen = source.is_frozen(estimate.rates)
         all_off = frozen or all(one.is_off for one in differences)
         may_be_trim = not sample.frame_known and source.offset.may_be_trim(differences[0].tilt)
@@ -187,7 +167,8 @@ class Judge:
         """The verdict that follows from the evidence and from the differences now."""
         first = differences[0]
         off = offence or next((one.reason for one in differences if one.is_off), "")
-        if self._doubts:
+        unsupported = source.disagrees and off != "" and source.field.forbids(sample.t_ns, off != "tilt")
+        if self._doubts or unsupported:
             return _verdict(Agreement.UNDECIDED, "doubted", first, source, sample)
         if source.disagrees:
             return _verdict(Agreement.DISAGREE, off or "settling", first, source, sample)
@@ -209,30 +190,12 @@ class Judge:
         """The autopilot's attitude beside the selected one and every other member of the set."""
         estimate = carried.estimate
         selected = Member((1.0, 0.0, 0.0, 0.0), estimate.tilt_sigma, estimate.heading_sigma)
-        return [
-            self._difference(q_mul(carried.q_nb, one.turn), one, carried, theirs, disagrees)
-            for one in (selected, *self._members)
-        ]
-
-    def _difference(self, ours: Quat, member: Member, carried: Carried, theirs: Quat, disagrees: bool) -> Difference:
-        estimate = carried.estimate
         share = self._settings.release if disagrees else 1.0
         threshold = self._settings.proven_tilt if estimate.sigma_is_proven else self._settings.tilt
-        tilt = tilt_between(ours, theirs)
-        heading = heading_between(theirs, ours) if estimate.north == North.TRUE else nan
-        tilt_sigmas = SLOW_TILT_SIGMAS if estimate.dt_s > SLOW_S else TILT_SIGMAS
-        tilt_off = tilt > share * _limit(threshold, tilt_sigmas * member.tilt_sigma, carried.slack)
-        heading_off = abs(heading) > share * _limit(
-            2.0 * threshold, HEADING_SIGMAS * member.heading_sigma, carried.slack
-        )
-        tilt_near, heading_near = tilt <= threshold, not abs(heading) > 2.0 * threshold
-        reason = "tilt" if tilt_off or (not heading_off and not tilt_near) else "heading"
-        return Difference(tilt, heading, tilt_off or heading_off, tilt_near and heading_near, reason)
-
-
-def _limit(threshold: float, uncertainty: float, slack: float) -> float:
-    """The larger of threshold and uncertainty; a filter without covariance (NaN) has the threshold alone."""
-    return hypot(max(threshold, uncertainty), slack) if isfinite(uncertainty) else hypot(threshold, slack)
+        return [
+            difference_of(q_mul(carried.q_nb, one.turn), one, carried, theirs, threshold, share)
+            for one in (selected, *self._members)
+        ]
 
 
 def _blind(estimate: Estimate) -> bool:

@@ -6,8 +6,9 @@ import pytest
 
 from attest_mav.algebra import q_exp, q_from_euler, q_mul
 from attest_mav.estimate import Estimate
+from attest_mav.estimation.difference import Member
 from attest_mav.estimation.events import Agreement
-from attest_mav.estimation.verdict import Judge, Member, VerdictSettings
+from attest_mav.estimation.verdict import Judge, VerdictSettings
 from attest_mav.samples import AttitudeSample
 from attest_mav.types import AttitudeForm, AttitudeRole, North
 

@@ -57,6 +57,7 @@ class FieldWatch:
         share = residual / max(LEAST_NOISE, 2.0 * self.usual)
         return 0.25 * min(share * share, LARGEST_SQUARE)
 
-    def like(self, other: "FieldWatch") -> None:
-        """Go on from what another lane of the same vehicle has seen."""
-        self._mean, self.usual = other.mean, other.usual
+    def shift(self, by: Vec3) -> None:
+        """The field itself has changed by this."""
+        if self._mean is not None:
+            self._mean = add(self._mean, by)

@@ -5,7 +5,8 @@ Every function gives a new state; the equations of the filter stay as they are.
 
 from typing import Final, cast
 
-from attest_mav.algebra import add, norm, sub
+from attest_mav.algebra import add, norm, q_exp, q_mul, scale, sub
+from attest_mav.estimation.field_evidence import FieldReading
 from attest_mav.filters.base import FilterState
 from attest_mav.filters.velocity_aided.aids.field import levelled_field
 from attest_mav.filters.velocity_aided.aids.gnss_velocity import fuse_velocity
@@ -75,6 +76,16 @@ def field_direction(state: FilterState, sample: ImuSample) -> Vec3 | None:
         return None
     rate = body_rate(navigation.estimate, navigation.imu.gyro)
     return levelled_field(navigation.estimate, field, rate, navigation.assumed_declination).direction
+
+
+def field_reading(state: FilterState, sample: ImuSample) -> FieldReading | None:
+    """The sample's reading with the attitude at its time, None without a reading or an attitude."""
+    navigation, field = navigation_of(state), field_of(sample)
+    if navigation is None or field is None:
+        return None
+    nav = navigation.estimate
+    back = scale(body_rate(nav, navigation.imu.gyro), -0.5 * nav.mag_lag_s)
+    return FieldReading(field, nav.hard_iron, q_mul(nav.q_nb, q_exp(back)), sample.t_ns)
 
 
 def has_field_reading(state: FilterState) -> bool:

@@ -3,6 +3,7 @@
 from math import hypot
 from typing import Final
 
+from attest_mav.estimation.field_evidence import FieldReading
 from attest_mav.estimation.stepper import Stepper
 from attest_mav.estimation.witness.dead_sensor import DeadSensor
 from attest_mav.estimation.witness.field_watch import FieldWatch
@@ -10,6 +11,7 @@ from attest_mav.estimation.witness.fix_stream import FixStream
 from attest_mav.estimation.witness.flight_state import (
     FixRecord,
     field_direction,
+    field_reading,
     has_field_reading,
     navigation_of,
     shifted,
@@ -46,6 +48,8 @@ class LaneWatch(Stepper):
         self.moments: Final = Moments()
         self.dead: Final = DeadSensor()
         self.field: Final = FieldWatch()
+        self.field_reading: FieldReading | None = None
+        """The newest reading of the magnetometer, None before the first."""
         self.fixes: Final = FixStream()
         self.rest: Final = RestCheck()
         self.proving = ProvingFixes()
@@ -180,3 +184,4 @@ class LaneWatch(Stepper):
         direction = field_direction(state, sample) if has_field_reading(state) else None
         if direction is not None:
             self.field.take(direction, sample.t_ns, self.situation.calm)
+            self.field_reading = field_reading(state, sample)

@@ -4,7 +4,7 @@ from math import radians
 from typing import Final
 
 from attest_mav.algebra import heading_between, q_conj, q_exp, q_mul, scale, sub, tilt_between
-from attest_mav.estimation.verdict import Member
+from attest_mav.estimation.difference import Member
 from attest_mav.estimation.witness.candidate import Candidate
 from attest_mav.estimation.witness.lane_watch import LaneWatch
 from attest_mav.estimation.witness.moments import Moment

@@ -7,8 +7,9 @@ lane changes only when it is set aside, stops, or loses its attitude.
 from math import radians
 from typing import Final
 
+from attest_mav.estimation.difference import Member
 from attest_mav.estimation.events import LaneEvent, LaneEventKind
-from attest_mav.estimation.verdict import Member
+from attest_mav.estimation.field_evidence import FieldReading
 from attest_mav.estimation.witness.dispute import LanePair
 from attest_mav.estimation.witness.doubt import Doubt
 from attest_mav.estimation.witness.flight_state import accel_bias, on_another_sensor
@@ -51,6 +52,12 @@ class Witness:
     def doubts(self) -> bool:
         """True while neither agreement nor disagreement can be said."""
         return self._doubted
+
+    @property
+    def field_reading(self) -> FieldReading | None:
+        """The newest reading of the selected lane's magnetometer, None before the first."""
+        lane = self._lanes.get(self.selected)
+        return None if lane is None else lane.field_reading
 
     def fault_of(self, name: str) -> str:
         """Why this lane stands aside, "" while it does not."""

@@ -1,0 +1,104 @@
+"""The magnetic field as evidence between the autopilot's attitude and ours.
+
+Gyros that are off alike turn every attitude of ours away from a right autopilot, and look like an autopilot that is
+wrong. The field tells both apart: each attitude levels the same reading, and the one under which the field keeps the
+direction that it had while both agreed is the right one. A reading that jumps under both attitudes is the
+magnetometer's own change, and moves that direction.
+"""
+
+from typing import Final
+
+from mypy_extensions import mypyc_attr
+
+from attest_mav.algebra import add, norm, rotate, scale, sub, unit
+from attest_mav.estimation.timebase import wrapped_difference_ns
+from attest_mav.estimation.witness.field_watch import FieldWatch
+from attest_mav.types import Quat, Vec3
+
+LARGEST_EVIDENCE: Final = 12.0
+"""The evidence is limited to this size, so that a new fault of the other side is seen soon."""
+FOR_US: Final = 3.0
+AGAINST_US: Final = 0.0
+"""The field is for our attitude from evidence of the first on, until it falls below the second."""
+JUMP: Final = 0.06
+JUMP_USUALS: Final = 6.0
+"""Change of the direction between two readings, beyond both, as a share of the field: no turn makes it under both."""
+FRESH_S: Final = 1.5
+"""Age of the last reading up to which the field tells something, s."""
+APART_USUALS: Final = 2.0
+APART_LEAST: Final = 0.012
+"""Attitudes are apart for the field when they level a reading to directions that differ by more than both."""
+
+
+@mypyc_attr(acyclic=True)  # as Sample
+class FieldReading:
+    """One reading of the magnetometer, with what our filter made of it.
+
+    field: in the body, gauss. hard_iron: of it by our filter, gauss. q_nb: our attitude at its instant, t_ns.
+    """
+
+    def __init__(self, field: Vec3, hard_iron: Vec3, q_nb: Quat, t_ns: int) -> None:
+        self.field: Final = field
+        self.hard_iron: Final = hard_iron
+        self.q_nb: Final = q_nb
+        self.t_ns: Final = t_ns
+
+    def direction(self, hard_iron: Vec3) -> Vec3:
+        """Direction of the field in NED by our attitude, free of this hard iron, unit length."""
+        return rotate(self.q_nb, unit(sub(self.field, hard_iron)))
+
+
+class FieldEvidence:
+    """Log-likelihood ratio of the field between our attitude and one source of the autopilot's."""
+
+    def __init__(self) -> None:
+        self.ratio = 0.0
+        """Above zero the field is for our attitude."""
+        self._watch: Final = FieldWatch()
+        """The direction that the field had while both agreed."""
+        self._hard_iron: Vec3 = (0.0, 0.0, 0.0)
+        """By our filter while both agreed: an attitude that is wrong takes its error for hard iron."""
+        self._ours: Vec3 = (0.0, 0.0, 0.0)
+        self._theirs: Vec3 = (0.0, 0.0, 0.0)
+        self._for_us = False
+        self._t_ns = -1
+
+    def take(self, reading: FieldReading, turn: Quat, agree: bool) -> None:
+        """Take the newest reading. turn: NED rotation from our attitude to the autopilot's; agree: they are near."""
+        if reading.t_ns == self._t_ns:
+            return
+        if agree:
+            self._hard_iron = reading.hard_iron
+        ours = reading.direction(self._hard_iron)
+        theirs = rotate(turn, ours)
+        if self._t_ns >= 0:
+            self._follow_jump(sub(ours, self._ours), sub(theirs, self._theirs))
+        self._ours, self._theirs, self._t_ns = ours, theirs, reading.t_ns
+        watch = self._watch
+        if agree or watch.mean is not None:
+            watch.take(scale(add(ours, theirs), 0.5), reading.t_ns, agree)
+        if agree:
+            self.ratio = 0.0
+        elif watch.mean is not None:
+            ratio = self.ratio + watch.score_of(watch.residual_of(theirs)) - watch.score_of(watch.residual_of(ours))
+            self.ratio = min(max(ratio, -LARGEST_EVIDENCE), LARGEST_EVIDENCE)
+        self._for_us = self.ratio > (AGAINST_US if self._for_us else FOR_US)
+
+    def forbids(self, now_ns: int, by_heading: bool) -> bool:
+        """Whether the field leaves no disagreement with ours; by_heading: the headings alone differ.
+
+        A difference of tilt that the field does not show needs no support of the field, a difference of heading does.
+        """
+        age_s = wrapped_difference_ns(now_ns, self._t_ns) * 1e-9
+        if self._watch.mean is None or age_s > FRESH_S or self._for_us:
+            return False
+        return by_heading or self._are_apart
+
+    @property
+    def _are_apart(self) -> bool:
+        return norm(sub(self._theirs, self._ours)) > max(APART_LEAST, APART_USUALS * self._watch.usual)
+
+    def _follow_jump(self, ours: Vec3, theirs: Vec3) -> None:
+        """The magnetometer has changed: both attitudes see it."""
+        if min(norm(ours), norm(theirs)) > max(JUMP, JUMP_USUALS * self._watch.usual):
+            self._watch.shift(scale(add(ours, theirs), 0.5))
