@@ -31,6 +31,9 @@ class Reference:
         self.evidence_s = 0.0
         """Time for which all of our attitudes were contradicted, less the time for which they were not, s."""
         self.disagrees = False
+        """Whether the evidence is enough for a disagreement."""
+        self.is_accused = False
+        """Whether the newest verdict on it was DISAGREE."""
         self.interval_s = 0.0
         """The usual interval of its time stamps, s; 0 while it is not known."""
         self.contradictions = 0

@@ -154,7 +154,9 @@ class Judge:
         may_be_trim = not sample.frame_known and source.offset.may_be_trim(differences[0].tilt)
         if not (may_be_trim and all_off):
             source.add(elapsed_s if all_off else -elapsed_s, self._settings.hold_s)
-        return self._said(estimate, source, sample, differences, "frozen" if frozen else "")
+        verdict = self._said(estimate, source, sample, differences, "frozen" if frozen else "")
+        source.is_accused = verdict.agreement == Agreement.DISAGREE
+        return verdict
 
     def _said(
         self,
@@ -170,7 +172,7 @@ class Judge:
         unsupported = source.disagrees and off != "" and source.field.forbids(sample.t_ns, off != "tilt")
         if self._doubts or unsupported:
             return _verdict(Agreement.UNDECIDED, "doubted", first, source, sample)
-        if source.disagrees:
+        if source.disagrees and (off != "" or source.is_accused):
             return _verdict(Agreement.DISAGREE, off or "settling", first, source, sample)
         reason = ""
         if off:

@@ -21,6 +21,8 @@ SURE: Final = radians(2.5)
 FIT_NIS: Final = 3.0
 LONG_FITS: Final = 100
 """So many need no other evidence."""
+NOISIER: Final = 3.0
+"""A receiver that is noisier than usual by this factor needs the longer row too: its errors may pass for motion."""
 NEAR_TILT: Final = radians(2.0)
 NEAR_HEADING: Final = radians(4.0)
 NEAR_SIGMAS: Final = 2.0
@@ -32,8 +34,11 @@ REFUTED_USUALS: Final = 4.0
 """A field residual beyond both refutes the lanes,"""
 TWICE: Final = 2.0
 """where the challenger's is smaller by this factor."""
+AGAINST: Final = 0.02
+AGAINST_USUALS: Final = 3.0
+"""The challenger itself is refuted by a residual beyond both, where the lanes' is smaller by the same factor."""
 FIELD_SHARE: Final = 0.1
-NIS_SHARE: Final = 0.1
+NIS_SHARE: Final = 0.05
 
 
 class Challenge(IntEnum):
@@ -88,13 +93,20 @@ class Challenger:
             self.fits = self.fits + 1 if record.nis < FIT_NIS else 0
             self.mean_nis += NIS_SHARE * (min(record.nis, FIT_NIS) - self.mean_nis)
 
-    def shows(self, lane: FilterState, field: FieldWatch, lane_residual: float) -> Challenge:
-        """The result beside a lane; ``lane_residual``: that lane's mean residual of the field."""
+    def shows(self, lane: FilterState, field: FieldWatch, lane_residual: float, usual_nis: float) -> Challenge:
+        """The result beside a lane.
+
+        lane_residual: that lane's mean residual of the field. usual_nis: of a fix in good times, mean of the axes.
+        """
         state = self.state
         if state is None or self.fits < FITS or state.tilt_sigma > SURE:
             return Challenge.OPEN
+        if self.fits < LONG_FITS and self.mean_nis > NOISIER * usual_nis:
+            return Challenge.OPEN
         tilt = tilt_between(state.q_nb, lane.q_nb)
         heading = abs(heading_between(state.q_nb, lane.q_nb))
+        if self.residual > max(AGAINST, AGAINST_USUALS * field.usual) and self.residual > TWICE * lane_residual:
+            return Challenge.OPEN
         if (
             tilt < NEAR_TILT + NEAR_SIGMAS * state.tilt_sigma
             and heading < NEAR_HEADING + NEAR_SIGMAS * state.heading_sigma

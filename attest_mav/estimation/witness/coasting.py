@@ -15,9 +15,13 @@ from attest_mav.estimation.witness.moments import Moments
 from attest_mav.types import Vec3
 
 STEADY_FIXES: Final = 15
+STEADY_SHARE: Final = 0.5
+LONGEST_STEADY_FIXES: Final = 30
+"""Innovations must be steady over the first number of fixes, or this share of those that came before, at most the last
+number: a velocity that wanders pauses by chance."""
 STEADY_SIGMA: Final = 0.2
 STEADY_USUALS: Final = 2.0
-"""Innovations are steady when over so many fixes each axis scatters by less than both limits, m/s."""
+"""Innovations are steady when each axis scatters by less than both limits, m/s."""
 LARGEST_OFFSET: Final = 15.0
 """m/s: a larger steady error is only believed while the magnetic field fits."""
 LATE_FIXES: Final = 15
@@ -30,7 +34,8 @@ LATE_MEAN: Final = 1.0
 SUSPECT_SHARE: Final = 0.3
 SUSPECT_RMS: Final = 0.3
 """With less left than this the receiver may be late: it is not believed for any other reason."""
-REMEMBERED: Final = 25
+LATE_REMEMBERED: Final = 25
+"""Fixes in which a delay is looked for."""
 
 
 class Lateness:
@@ -81,7 +86,8 @@ class Coasting:
         """Shifts of the fixes that are tried, s."""
         self._present_s: Final = shift_s
         self._limit: Final = max(STEADY_SIGMA, STEADY_USUALS * usual)
-        self._fixes: Final[deque[_WatchedFix]] = deque(maxlen=REMEMBERED)
+        self._fixes: Final[deque[_WatchedFix]] = deque(maxlen=LONGEST_STEADY_FIXES)
+        self._count = 0
 
     def take(self, record: FixRecord, moments: Moments) -> None:
         """Take the next fix that no lane uses."""
@@ -98,13 +104,16 @@ class Coasting:
 
     def add(self, innovation: Vec3, shifts: list[Vec3]) -> None:
         """Record an innovation, m/s. shifts: change of the velocity to the instant of each shift, m/s."""
+        self._count += 1
         self._fixes.append(_WatchedFix(innovation, shifts))
 
     def is_steady(self, field_fits: bool) -> bool:
         """True when the receiver's error is steady."""
-        if len(self._fixes) < STEADY_FIXES:
+        before = self._count / (1.0 + STEADY_SHARE)
+        needed = min(max(STEADY_FIXES, int(STEADY_SHARE * before)), LONGEST_STEADY_FIXES)
+        if len(self._fixes) < needed:
             return False
-        recent = list(self._fixes)[-STEADY_FIXES:]
+        recent = list(self._fixes)[-needed:]
         north = [fix.innovation[0] for fix in recent]
         east = [fix.innovation[1] for fix in recent]
         offset = hypot(_mean(north), _mean(east))
@@ -122,7 +131,7 @@ class Coasting:
         left: list[list[float]] = [[], []]
         given: list[list[float]] = [[], []]
         moved: list[list[float]] = [[], []]
-        for fix in self._fixes:
+        for fix in list(self._fixes)[-LATE_REMEMBERED:]:
             for axis in range(2):
                 x = fix.shifts[place][axis]
                 left[axis].append(fix.innovation[axis] - x)

@@ -20,6 +20,7 @@ from attest_mav.filters.velocity_aided.filter import VelocityAided
 JOINT_GATES: Final = 0.7
 """All lanes contradict a fix when each is beyond this share of its gate, and one beyond its gate."""
 DOUBT_GATES: Final = 0.5
+"""A fix beyond this share of the gate makes doubt; during a contradiction too, where the set has the explanations."""
 
 _WORDS: Final = {
     Explanation.RECEIVER: "the receiver's velocity makes no sense: it is not used",
@@ -112,7 +113,8 @@ class ReceiverMonitor:
         fix = selected.fix
         if fix is not None and fix.t_ns != self._judged_ns:
             self._judged_ns = fix.t_ns
-            self._doubt.fix_contradicts(moment.t_ns)
+            if fix.nis > DOUBT_GATES * selected.fixes.gate:
+                self._doubt.fix_contradicts(moment.t_ns)
         best = contradiction.decided(moment.t_ns)
         if best is None:
             return []
@@ -156,6 +158,7 @@ class ReceiverMonitor:
         if returned is None:
             return []
         self.coasting = None
+        self._judged_ns = -1 if selected.fix is None else selected.fix.t_ns
         self.shift_s = returned.shift_s
         text = f"the receiver is used again: its velocity is {returned.words}"
         return [_event(selected, moment, LaneEventKind.RECEIVER_USED, text)]

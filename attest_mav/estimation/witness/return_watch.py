@@ -90,7 +90,7 @@ class ReturnWatch:
         challenger, state = self._challenger, selected.state
         if challenger is None or challenger.state is None or state is None:
             return None
-        shown = challenger.shows(state, selected.field, self._lane_residual)
+        shown = challenger.shows(state, selected.field, self._lane_residual, selected.fixes.usual_nis)
         if shown == Challenge.OPEN:
             return None
         if shown == Challenge.FAR:

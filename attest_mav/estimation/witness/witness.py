@@ -235,7 +235,7 @@ class Witness:
     def _set_situation(self) -> None:
         """Tell every lane what to do with fixes, where that has changed."""
         receiver = self._receiver
-        calm = receiver.contradiction is None and all(pair.dispute is None for pair in self._pairs)
+        calm = receiver.is_used and all(pair.dispute is None for pair in self._pairs)
         for lane in self._lanes.values():
             known, used = lane.situation, receiver.is_used
             if known.calm != calm or known.receiver_used != used or known.fix_shift_s != receiver.shift_s:

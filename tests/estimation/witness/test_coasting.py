@@ -52,6 +52,30 @@ def test_noise_is_not_steady():
     assert not watched.lateness().is_proven
 
 
+def unsteady_until(end_s):
+    """An offset that jumps to and fro until then."""
+
+    def innovation(t_s):
+        return (2.0 + (1.0 if t_s < end_s and round(5.0 * t_s) % 2 else 0.0), 0.0)
+
+    return innovation
+
+
+@pytest.mark.parametrize(
+    ("unsteady_s", "steady_s", "expected"),
+    [
+        (1.0, 3.2, True),
+        (8.0, 3.2, False),  # half of the time before is needed: a velocity that wanders pauses for so long
+        (8.0, 4.4, True),
+        (60.0, 5.0, False),
+        (60.0, 6.2, True),  # and no more than this
+    ],
+)
+def test_a_pause_of_an_unsteady_receiver_is_no_return(unsteady_s, steady_s, expected):
+    watched = fly(unsteady_until(unsteady_s), count=round(5.0 * (unsteady_s + steady_s)))
+    assert watched.is_steady(field_fits=True) is expected
+
+
 @pytest.mark.parametrize(("present_s", "delay_s"), [(0.0, 0.4), (0.0, 0.25), (0.4, 0.0)])
 def test_a_late_receiver_is_found_with_its_delay(present_s, delay_s):
     """With fixes shifted already, the innovations show the delay beside that."""
