@@ -35,15 +35,23 @@ class Difference:
     """The autopilot's attitude beside one of ours.
 
     tilt: rad, never negative. heading: rad, NaN without a common north. is_off: beyond what our sigma explains.
-    is_near: within the thresholds. reason: of the larger offence.
+    tilt_is_near, heading_is_near: within the thresholds. reason: of the larger offence.
     """
 
-    def __init__(self, tilt: float, heading: float, is_off: bool, is_near: bool, reason: str) -> None:
+    def __init__(
+        self, tilt: float, heading: float, is_off: bool, tilt_is_near: bool, heading_is_near: bool, reason: str
+    ) -> None:
         self.tilt: Final = tilt
         self.heading: Final = heading
         self.is_off: Final = is_off
-        self.is_near: Final = is_near
+        self.tilt_is_near: Final = tilt_is_near
+        self.heading_is_near: Final = heading_is_near
         self.reason: Final = reason
+
+    @property
+    def is_near(self) -> bool:
+        """True within both thresholds."""
+        return self.tilt_is_near and self.heading_is_near
 
 
 def difference_of(
@@ -61,7 +69,7 @@ def difference_of(
     heading_off = abs(heading) > share * _limit(2.0 * threshold, HEADING_SIGMAS * member.heading_sigma, carried.slack)
     tilt_near, heading_near = tilt <= threshold, not abs(heading) > 2.0 * threshold
     reason = "tilt" if tilt_off or (not heading_off and not tilt_near) else "heading"
-    return Difference(tilt, heading, tilt_off or heading_off, tilt_near and heading_near, reason)
+    return Difference(tilt, heading, tilt_off or heading_off, tilt_near, heading_near, reason)
 
 
 def _limit(threshold: float, uncertainty: float, slack: float) -> float:

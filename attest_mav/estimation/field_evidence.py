@@ -85,9 +85,9 @@ class FieldEvidence:
         self._for_us = self.ratio > (AGAINST_US if self._for_us else FOR_US)
 
     def forbids(self, now_ns: int, by_heading: bool) -> bool:
-        """Whether the field leaves no disagreement with ours; by_heading: the headings alone differ.
+        """Whether the field leaves no disagreement with ours; by_heading: the headings differ too.
 
-        A difference of tilt that the field does not show needs no support of the field, a difference of heading does.
+        A difference of tilt alone that the field does not show needs no support of the field, any other one does.
         """
         age_s = wrapped_difference_ns(now_ns, self._t_ns) * 1e-9
         if self._watch.mean is None or age_s > FRESH_S or self._for_us:

@@ -169,7 +169,8 @@ class Judge:
         """The verdict that follows from the evidence and from the differences now."""
         first = differences[0]
         off = offence or next((one.reason for one in differences if one.is_off), "")
-        unsupported = source.disagrees and off != "" and source.field.forbids(sample.t_ns, off != "tilt")
+        by_heading = offence != "" or not first.heading_is_near
+        unsupported = source.disagrees and off != "" and source.field.forbids(sample.t_ns, by_heading)
         if self._doubts or unsupported:
             return _verdict(Agreement.UNDECIDED, "doubted", first, source, sample)
         if source.disagrees and (off != "" or source.is_accused):

@@ -14,6 +14,10 @@ LEAST_NOISE: Final = 0.012
 """A residual counts as a multiple of this, or of twice the usual one if that is more."""
 LARGEST_SQUARE: Final = 16.0
 """A residual counts for no more than four of those."""
+HELD_LEAST: Final = 0.02
+HELD_USUALS: Final = 3.0
+HELD_S: Final = 5.0
+"""A residual beyond both does not move the mean for so long: it may be the attitude's, and then that is found by it."""
 CALM_REACH: Final = 3.0
 """A residual beyond this many of the usual ones does not move the usual one."""
 
@@ -31,6 +35,8 @@ class FieldWatch:
         self.usual = USUAL_AT_START
         """The usual residual."""
         self._mean: Vec3 | None = None
+        self._off_s = 0.0
+        """For so long the residual has been too large to move the mean."""
 
     @property
     def mean(self) -> Vec3 | None:
@@ -44,7 +50,9 @@ class FieldWatch:
         self.t_ns = t_ns
         self.residual = norm(sub(direction, mean))
         self.score = self.score_of(self.residual)
-        if calm or self._mean is None:
+        is_off = self.residual > max(HELD_LEAST, HELD_USUALS * self.usual)
+        self._off_s = self._off_s + max(0.0, elapsed_s) if is_off else 0.0
+        if self._mean is None or (calm and not 0.0 < self._off_s < HELD_S):
             self._mean = add(mean, scale(sub(direction, mean), min(1.0, max(0.0, elapsed_s) / MEAN_S)))
             self.usual += USUAL_SHARE * (min(self.residual, CALM_REACH * self.usual) - self.usual)
 

@@ -1,5 +1,6 @@
 """The receiver's fixes as one lane gets them: which is new, which repeats itself, and how well they usually fit."""
 
+from collections import deque
 from math import hypot
 from typing import Final
 
@@ -16,6 +17,10 @@ LEAST_GATE: Final = 3.0
 LARGEST_GATE: Final = 12.0
 GATE_USUALS: Final = 8.0
 """The gate on the normalised innovation squared of a fix, as a multiple of the usual one between these limits."""
+RUN_FIXES: Final = 5
+LEAST_RUN_GATE: Final = 1.0
+RUN_GATE_USUALS: Final = 4.0
+"""The gate on the mean of so many fixes in a row: a small error that stays is none by chance."""
 USUAL_SHARE: Final = 0.02
 USUAL_AT_START: Final = 0.1
 INNOVATION_AT_START: Final = 0.1
@@ -32,6 +37,7 @@ class FixStream:
         """Slow mean of the normalised innovation squared in good times."""
         self.usual_innovation = INNOVATION_AT_START
         """The same of the size of a horizontal innovation, m/s."""
+        self._run: Final[deque[float]] = deque(maxlen=RUN_FIXES)
         self._newest_ns = -1
         self._velocity: Vec3 = (0.0, 0.0, 0.0)
         self._same = 1
@@ -42,6 +48,24 @@ class FixStream:
     def gate(self) -> float:
         """A fix beyond this is not used."""
         return min(LARGEST_GATE, max(LEAST_GATE, GATE_USUALS * self.usual_nis))
+
+    @property
+    def misfit(self) -> float:
+        """How far the newest fixes are off, the newest one or all in a row, as a share of the gate on that."""
+        if not self._run:
+            return 0.0
+        alone = self._run[-1] / self.gate
+        if len(self._run) < RUN_FIXES:
+            return alone
+        return max(alone, sum(self._run) / RUN_FIXES / max(LEAST_RUN_GATE, RUN_GATE_USUALS * self.usual_nis))
+
+    def take(self, nis: float) -> None:
+        """Take the next fix beside the lane, used or not."""
+        self._run.append(nis)
+
+    def forget_misfit(self) -> None:
+        """The lane goes on from another state: what did not fit the old one says nothing of it."""
+        self._run.clear()
 
     @property
     def frozen(self) -> bool:
@@ -71,7 +95,9 @@ class FixStream:
         self.usual_nis = max(self.usual_nis, nis)
 
     def learn(self, nis: float, innovation: Vec3) -> None:
-        """A fix was used in good times."""
+        """A fix was used in good times. Fixes that are off in a row are not usual."""
+        if self.misfit > 1.0:
+            return
         size = min(hypot(innovation[0], innovation[1]), LARGEST_USUALS * self.usual_innovation)
         self.usual_innovation += USUAL_SHARE * (size - self.usual_innovation)
         self.usual_nis += USUAL_SHARE * (min(nis, LARGEST_GATE) - self.usual_nis)

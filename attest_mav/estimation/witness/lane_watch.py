@@ -95,6 +95,7 @@ class LaneWatch(Stepper):
     def adopt(self, state: FilterState) -> None:
         """Go on from another state of the same instant as the newest one."""
         self._adopted = state
+        self.fixes.forget_misfit()
 
     def begin_again(self) -> None:
         """Forget the attitude that was kept while the sensor stood aside."""
@@ -178,6 +179,7 @@ class LaneWatch(Stepper):
     def _record(self, record: FixRecord, sample: ImuSample) -> None:
         self.fix = record
         self.fix_seen_ns = sample.t_ns
+        self.fixes.take(record.nis)
 
     def _watch_field(self, state: FilterState, sample: ImuSample) -> None:
         """Compare the direction of a new reading with the usual one."""

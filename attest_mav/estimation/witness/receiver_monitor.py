@@ -18,7 +18,7 @@ from attest_mav.estimation.witness.return_watch import ReturnWatch
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 
 JOINT_GATES: Final = 0.7
-"""All lanes contradict a fix when each is beyond this share of its gate, and one beyond its gate."""
+"""All lanes contradict the fixes when each is beyond this share of its gate, and one beyond its gate."""
 DOUBT_GATES: Final = 0.5
 """A fix beyond this share of the gate makes doubt; during a contradiction too, where the set has the explanations."""
 
@@ -77,15 +77,17 @@ class ReceiverMonitor:
         if fix is None or fix.t_ns == self._judged_ns:
             return []
         shares: list[float] = []
+        misfits: list[float] = []
         for lane in lanes:
             if lane.fix is None or lane.fix.t_ns != fix.t_ns:
                 return []
             shares.append(lane.fix.nis / lane.fixes.gate)
+            misfits.append(lane.fixes.misfit)
         self._judged_ns = fix.t_ns
         self._on_probation(selected)
         if min(shares) > DOUBT_GATES:
             self._doubt.fix_contradicts(moment.t_ns)
-        if max(shares) <= 1.0 or min(shares) <= JOINT_GATES or not selected.proving.done:
+        if max(misfits) <= 1.0 or min(misfits) <= JOINT_GATES or not selected.proving.done:
             return []
         self.contradiction = Contradiction(selected, one, selected.fix_seen_ns, self.shift_s)
         if not self.contradiction.candidates:

@@ -67,8 +67,21 @@ def test_a_turned_field_is_seen_at_once_and_moves_the_mean_only_in_calm_times():
     assert watch.mean == mean
     assert watch.residual == pytest.approx(0.06, abs=1e-3)
     assert watch.score == pytest.approx(4.0)
-    watch.take(direction(0.1), 4 * S, calm=True)
-    assert watch.mean != mean
+
+
+def test_a_residual_beyond_the_usual_moves_the_mean_only_after_a_time():
+    watch = FieldWatch()
+    for k in range(20):
+        watch.take(direction(0.0), k * S // 10, calm=True)
+    mean = watch.mean
+    for k in range(20, 65):
+        watch.take(direction(0.1), k * S // 10, calm=True)
+    assert watch.mean == mean
+    for k in range(65, 200):
+        watch.take(direction(0.1), k * S // 10, calm=True)
+    assert watch.residual < 0.01
+    watch.take(direction(0.11), 20 * S, calm=True)
+    assert watch.mean[1] > 0.05
 
 
 def test_a_residual_of_the_usual_size_is_little_evidence():
@@ -85,6 +98,40 @@ def test_the_gate_is_a_multiple_of_what_is_usual_between_its_limits():
     assert 7.0 < stream.gate < 8.0
     stream.expect(5.0)
     assert stream.gate == 12.0
+
+
+def misfits(stream, values, learn=False):
+    found = []
+    for nis in values:
+        stream.take(nis)
+        if learn:
+            stream.learn(nis, (0.1, 0.0, 0.0))
+        found.append(stream.misfit)
+    return found
+
+
+def test_one_fix_is_off_beyond_the_gate_and_five_in_a_row_beyond_a_smaller_one():
+    assert misfits(FixStream(), [0.1, 3.3])[-1] == pytest.approx(1.1)
+    assert max(misfits(FixStream(), [0.1, 2.7, 0.1, 2.0, 0.1, 0.1, 2.7])) <= 1.0
+    in_a_row = misfits(FixStream(), [1.2, 1.2, 1.2, 1.2, 1.2])
+    assert in_a_row[3] == pytest.approx(0.4)
+    assert in_a_row[4] == pytest.approx(1.2)
+
+
+def test_what_was_off_in_a_row_is_forgotten_with_the_state():
+    stream = FixStream()
+    misfits(stream, [2.0] * 5)
+    stream.forget_misfit()
+    assert stream.misfit == 0.0
+
+
+def test_noise_becomes_usual_and_a_drift_does_not():
+    noisy, drifting = FixStream(), FixStream()
+    misfits(noisy, [0.2, 0.9, 0.4, 0.7, 0.3] * 40, learn=True)
+    assert noisy.usual_nis == pytest.approx(0.5, abs=0.1)
+    assert misfits(noisy, [1.2] * 5)[-1] < 1.0
+    misfits(drifting, [0.5, 1.0, 1.5, *[2.0] * 100], learn=True)
+    assert drifting.usual_nis < 0.3
 
 
 def test_a_fix_is_new_once_and_not_too_soon_after_another():
