@@ -16,7 +16,7 @@ LARGEST_SQUARE: Final = 16.0
 """A residual counts for no more than four of those."""
 HELD_LEAST: Final = 0.02
 HELD_USUALS: Final = 3.0
-HELD_S: Final = 5.0
+HELD_S: Final = 3.0
 """A residual beyond both does not move the mean for so long: it may be the attitude's, and then that is found by it."""
 CALM_REACH: Final = 3.0
 """A residual beyond this many of the usual ones does not move the usual one."""

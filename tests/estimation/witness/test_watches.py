@@ -74,10 +74,10 @@ def test_a_residual_beyond_the_usual_moves_the_mean_only_after_a_time():
     for k in range(20):
         watch.take(direction(0.0), k * S // 10, calm=True)
     mean = watch.mean
-    for k in range(20, 65):
+    for k in range(20, 45):
         watch.take(direction(0.1), k * S // 10, calm=True)
     assert watch.mean == mean
-    for k in range(65, 200):
+    for k in range(45, 200):
         watch.take(direction(0.1), k * S // 10, calm=True)
     assert watch.residual < 0.01
     watch.take(direction(0.11), 20 * S, calm=True)
