@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from typing import Final
 
+from mypy_extensions import mypyc_attr
+
 from attest_mav.logs.dataflash.units import Column
 from attest_mav.samples import Sample
 
@@ -11,6 +13,7 @@ COMPONENT: Final = 1
 """The ids of the vehicle: a log is that of one vehicle, and has none."""
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class RecordReader:
     """Makes samples of one kind of record. columns, texts: what it wants of it; by default no more than its time."""
 

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from typing import Final
 
+from mypy_extensions import mypyc_attr
+
 from attest_mav.samples import Sample
 
 SYSTEM: Final = 1
@@ -15,6 +17,7 @@ SAMPLE_TIME: Final = "timestamp_sample|timestamp"
 """Of the sensor's reading, where the topic tells it."""
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class TopicReader:
     """Makes samples of one instance of a topic. names: the fields that it wants, as for ``Selection``; time first."""
 
