@@ -179,16 +179,15 @@ class Flight:
 
     def _judge(self, run: FilterRun, events: Sequence[Event]) -> None:
         """Keep the verdicts beside a filter, and the events of its lane."""
-        observer = self._observer
         for event in events:
             if isinstance(event, Verdict):
                 elapsed_s = self._elapsed_s if event.t_ns < 0 else self._time.at(event.t_ns)
                 run.verdicts.take(event, elapsed_s)
-                if observer is not None:
-                    observer.verdict(run.comparison.name, event, elapsed_s)
+                if self._observer is not None:
+                    self._observer.verdict(run.comparison.name, event, elapsed_s)
             elif isinstance(event, LaneEvent):
-                if observer is not None:
-                    observer.lane_event(run.comparison.name, event, self._elapsed_s)
+                if self._observer is not None:
+                    self._observer.lane_event(run.comparison.name, event, self._elapsed_s)
                 run.verdicts.lane_event(event)
                 run.faults.take(event, self._elapsed_s)
 
