@@ -29,6 +29,9 @@ PART_COLOURS: Final = {
 """Number of the colour by axis, or by name of a measurement."""
 COLOURS: Final = 5
 """Colours of axes, lanes and measurements."""
+OTHER_COLOURS: Final = (2, 4, 3, 0, 1)
+"""The colours of further filters and of the receiver, those first that neither ours nor the autopilot's is like."""
+OF_LANES: Final = frozenset({Chart.INTERVAL, Chart.VIBRATION, Chart.CLIPPING, Chart.FIELD_STRENGTH})
 ROLES: Final = (SIGMA, REFERENCE, "verdict", AUTOPILOT, *(f"part{place}" for place in range(COLOURS)), "ours")
 """The roles of series, each with a colour; those that come later are drawn over the others."""
 OF_FILTER: Final = frozenset({Chart.NIS, Chart.INNOVATION, Chart.GYRO_BIAS, Chart.INCLINATION})
@@ -120,7 +123,8 @@ class _Names:
             return "ours"
         if key.subject in (AUTOPILOT, REFERENCE):
             return key.subject
-        return f"part{self._others.index(key.subject) % COLOURS}"
+        place = self._others.index(key.subject) % COLOURS
+        return f"part{place if key.chart in OF_LANES else OTHER_COLOURS[place]}"
 
 
 def _lines(chart: Chart, recorder: FlightRecorder, report: dict[str, Any]) -> list[dict[str, Any]]:

@@ -68,6 +68,20 @@ def test_charts_have_their_series_with_colour_and_lines(recorder, report):
     assert "Velocity uncertainty" not in " ".join(one["title"] for one in charts)
 
 
+def test_each_subject_of_a_chart_has_a_colour_of_its_own(recorder, report):
+    for name in ("autopilot", "leveling", "gradient-descent", "robust"):
+        recorder.series[Key(Chart.ROLL, name)] = recorder.series[Key(Chart.ROLL, FILTER)]
+    roll = chart_of(charts_of(recorder, report), "Roll")
+    assert [(one["label"], one["role"]) for one in roll["series"]] == [
+        ("reference (SIM_STATE)", "reference"),
+        ("autopilot", "autopilot"),
+        ("leveling", "part2"),
+        ("robust", "part3"),
+        ("gradient-descent", "part4"),
+        ("velocity-aided", "ours"),
+    ]
+
+
 def test_times_are_differences_in_milliseconds(recorder, report):
     (interval,) = chart_of(charts_of(recorder, report), "Interval")["series"]
     assert interval["t"] == [20] * 599
