@@ -91,6 +91,11 @@ class Chromium:
             self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=buttons, clickCount=1)
         self.settled()
 
+    def point(self, x, y):
+        """Move the pointer to a place, without a button."""
+        self.call("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y)
+        self.settled()
+
     def picture(self, path, **clip):
         """Write a PNG of a part of the page."""
         data = self.call("Page.captureScreenshot", captureBeyondViewport=True, clip={"scale": 1, **clip})["data"]

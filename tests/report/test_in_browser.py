@@ -96,6 +96,26 @@ def test_dragging_zooms_all_charts_and_a_double_click_ends_it(browser):
     assert browser.value(SHOWN) == [begin, end]
 
 
+def test_pointing_shows_the_verdict_and_the_values_of_all_charts(browser):
+    left, top, width = browser.value(
+        "(({ left, top, width }) => [left, top, width])"
+        "(document.querySelector('#timeline canvas').getBoundingClientRect())"
+    )
+    browser.point(left + 0.7 * width, top + 8)
+    tip = "(({ style, textContent }) => [style.display, textContent])(document.getElementById('tip'))"
+    shown, text = browser.value(tip)
+    assert shown == "block"
+    assert text.startswith("agree, ")
+    left, top, width, height = browser.value(FIRST_CHART)
+    browser.point(left + 0.7 * width, top + height / 2)
+    assert browser.value(tip)[0] == "none"
+    readings = browser.value(
+        "[...document.querySelectorAll('#charts figure')].map((one) => one.querySelector('b').textContent)"
+    )
+    assert all(readings)
+    assert readings[0].endswith("°")
+
+
 def test_a_series_can_be_hidden(browser):
     browser.value("document.querySelector('#charts figure').querySelectorAll('.key').forEach((key) => key.click())")
     browser.settled()
