@@ -24,6 +24,7 @@ from attest_mav.cli.replay_work import (
     junit_file,
     replay_here,
     replay_spread,
+    report_file,
     resumed,
 )
 from attest_mav.cli.version import version_text
@@ -69,6 +70,9 @@ from attest_mav.runtime.results import Results
 @click.option("--csv", "csv_path", metavar="FILE", help="Write every attitude with its errors.")
 @click.option("--tlog", "tlog_path", metavar="FILE", help="Write the log with the first filter's attitudes inserted.")
 @click.option(
+    "--report", "report_path", metavar="FILE", help="Write one page (HTML) with charts and figures of the log."
+)
+@click.option(
     "--limit",
     "limits",
     multiple=True,
@@ -109,6 +113,7 @@ def command(
     end_s: float,
     csv_path: str | None,
     tlog_path: str | None,
+    report_path: str | None,
     limits: tuple[str, ...],
     junit_path: str | None,
     workers: int | None,
@@ -130,7 +135,13 @@ def command(
     window = window_of(start_s, end_s, skip_s)
     request = Request(chosen, imu, reference, declination_deg, window, vehicle_of(vehicle), pipeline)
     paths = log_paths(logs)
-    outputs = {"--csv": csv_path, "--tlog": tlog_path, "--junit": junit_path, "--results": results_path}
+    outputs = {
+        "--csv": csv_path,
+        "--tlog": tlog_path,
+        "--report": report_path,
+        "--junit": junit_path,
+        "--results": results_path,
+    }
     check_outputs(paths, outputs)
     is_alone = workers == 1 or len(paths) == 1 or not (csv_path is None and tlog_path is None)
     check_workers(workers, is_alone)
@@ -138,10 +149,11 @@ def command(
     with ExitStack() as stack:
         table = None if csv_path is None else stack.enter_context(csv_file(csv_path))
         annotated = None if tlog_path is None else stack.enter_context(atomic_write(tlog_path))
+        page = None if report_path is None else stack.enter_context(report_file(report_path))
         stack.enter_context(junit_file(junit_path, showing.results))
         replayed: Replayed = partial(replay_spread, request=request, workers=workers)
         if is_alone:
-            replayed = partial(replay_here, work=Work(request, table, annotated))
+            replayed = partial(replay_here, work=Work(request, table, annotated, page))
         outcomes = replayed(paths)
         if results_path is not None:
             work = f"{version_text()} {chosen} {pipeline} {imu} {reference} {declination_deg} {window} {vehicle}"

@@ -78,6 +78,10 @@ def check_outputs(logs: Sequence[str], outputs: dict[str, str | None]) -> None:
     """Refuse outputs (paths by option) that would replace an input or each other."""
     if outputs["--tlog"] is not None and len(logs) > 1:
         raise UsageError("--tlog takes one LOG: an annotated log cannot hold several")
+    if outputs["--report"] is not None and len(logs) > 1:
+        raise UsageError("--report takes one LOG: a page shows one flight")
+    if outputs["--report"] is not None and outputs["--results"] is not None:
+        raise UsageError("--report and --results: a result that is kept has no series to draw; expected one of them")
     paths = {option: Path(path) for option, path in outputs.items() if path is not None}
     for option, output in paths.items():
         for name in logs:

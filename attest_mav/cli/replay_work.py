@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from io import TextIOWrapper
-from typing import IO
+from typing import IO, TYPE_CHECKING
 
 import click
 
@@ -22,6 +22,9 @@ from attest_mav.replay.summary import summary_of
 from attest_mav.runtime.files import atomic_write, open_log
 from attest_mav.runtime.results import Results
 
+if TYPE_CHECKING:
+    from attest_mav.cli.report_page import ReportPage
+
 MANY = 8
 """Of more logs than this the summary is printed alone."""
 
@@ -33,12 +36,17 @@ class Work:
     request: Request
     table: CsvTable | None = None
     annotated: IO[bytes] | None = None
+    page: "ReportPage | None" = None
 
     def __call__(self, path: str) -> Report:
         """Replay one log in this process."""
         attitudes = None if self.table is None else self.table.rows_of(path)
+        recorder = None if self.page is None else self.page.recorder
         with ProgressBar(path) as bar:
-            return replay_file(path, self.request, open_log, Outputs(attitudes, self.annotated, bar.show))
+            report = replay_file(path, self.request, open_log, Outputs(attitudes, self.annotated, bar.show, recorder))
+        if self.page is not None:
+            self.page.write(report)
+        return report
 
 
 @dataclass
@@ -164,3 +172,12 @@ def csv_file(path: str) -> Iterator[CsvTable]:
         text = TextIOWrapper(file, encoding="utf-8", errors="surrogateescape", newline="")
         yield CsvTable(text)
         text.detach()
+
+
+@contextmanager
+def report_file(path: str) -> Iterator["ReportPage"]:
+    """A page in a file that appears when it is written."""
+    from attest_mav.cli.report_page import ReportPage  # noqa: PLC0415 (costs 60 ms)
+
+    with atomic_write(path) as file:
+        yield ReportPage(file)

@@ -76,7 +76,10 @@ def replay(source: LogSource, request: Request, outputs: Outputs) -> Replay:
         _estimate_writer(source, plan, outputs.annotated),
         vehicle.opening,
         request.pipeline,
+        outputs.observer,
     )
+    if outputs.observer is not None:
+        outputs.observer.begin(north.direction)
     _fly(source, flight, plan, _part_of(outputs.progress, SUMMARY_SHARE, 1.0))
     if not flight.imu.samples:
         reasons = "; ".join(source.refusals(plan)) or "the part to be read has none"

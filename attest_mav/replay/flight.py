@@ -16,6 +16,7 @@ from attest_mav.logs.source import EstimateWriter, Plan
 from attest_mav.replay.comparison import Attitude, Comparison, ComparisonSink
 from attest_mav.replay.lane_faults import LaneFaults
 from attest_mav.replay.log_time import LogTime, Motion, Regularity
+from attest_mav.replay.observer import FlightObserver, joined
 from attest_mav.replay.reference_track import ReferenceTrack
 from attest_mav.replay.request import Window
 from attest_mav.replay.stamping import BurstStamp, Stamped
@@ -69,8 +70,10 @@ class Flight:
         writer: EstimateWriter | None = None,
         opening: Sequence[Sample] = (),
         settings: PipelineSettings | None = None,
+        observer: FlightObserver | None = None,
     ) -> None:
         settings = PipelineSettings() if settings is None else settings
+        sink = joined(sink, observer)
         reference = ReferenceTrack()
         self._vehicle: Final = Vehicle(settings.aids)
         report = self._vehicle.self_report
@@ -95,6 +98,7 @@ class Flight:
         self._autopilot_source: Final[str | None] = plan.autopilot
         self._timing_source: Final[str | None] = plan.timing
         self._writer: Final = writer
+        self._observer: Final = observer
         self._reference: Final = reference
         self._time: Final = LogTime()
         self._stamp: Final = BurstStamp()
@@ -134,6 +138,8 @@ class Flight:
     def _take_other(self, sample: Sample) -> None:
         """A sample of the vehicle. The filters have its settings from the start: a change is for the frames alone."""
         self._vehicle.take(sample)
+        if self._observer is not None and self._reading and self.imu.samples:
+            self._observer.vehicle(sample, self._elapsed_s)
         if not isinstance(sample, ParameterSample):
             for run in self.runs:
                 run.pipeline.handle(sample)
@@ -151,6 +157,9 @@ class Flight:
     def _fly(self, sample: ImuSample, elapsed_s: float, position: int) -> None:
         """The filters take a sample of the stretch to be read."""
         self._elapsed_s, self._rx_ns = elapsed_s, sample.rx_ns
+        observer = self._observer
+        if observer is not None:
+            observer.imu(sample, elapsed_s)
         for run in self.runs:
             if abs(run.poll_ns - sample.rx_ns) >= POLL_NS:
                 run.poll_ns = sample.rx_ns
@@ -162,6 +171,8 @@ class Flight:
                 if not isinstance(event, Estimate):
                     self._judge(run, [event])
                 elif is_selected:
+                    if observer is not None:
+                        observer.estimate(run.comparison.name, event, sample)
                     self._take_estimate(run, event, elapsed_s)
                     if self._writer is not None and run is self.runs[0]:
                         self._writer.insert(event, position)
@@ -172,7 +183,11 @@ class Flight:
             if isinstance(event, Verdict):
                 elapsed_s = self._elapsed_s if event.t_ns < 0 else self._time.at(event.t_ns)
                 run.verdicts.take(event, elapsed_s)
+                if self._observer is not None:
+                    self._observer.verdict(run.comparison.name, event, elapsed_s)
             elif isinstance(event, LaneEvent):
+                if self._observer is not None:
+                    self._observer.lane_event(run.comparison.name, event, self._elapsed_s)
                 run.verdicts.lane_event(event)
                 run.faults.take(event, self._elapsed_s)
 
@@ -229,5 +244,7 @@ class Flight:
     def _take_reference(self, sample: AttitudeSample, t_ns: int) -> None:
         """Extend the reference, and compare the attitudes that waited for it."""
         self._reference.add(t_ns % WRAP_NS, sample.q_nb, sample.rates)
+        if self._observer is not None and self.imu.samples:
+            self._observer.reference(sample.q_nb, self._time.at(t_ns))
         for comparison in self._comparisons:
             comparison.settle()

@@ -12,6 +12,7 @@ from attest_mav.estimation.pipeline import PipelineSettings
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.logs.source import ByteSink, Progress
 from attest_mav.replay.comparison import ComparisonSink
+from attest_mav.replay.observer import FlightObserver
 from attest_mav.replay.plan import VehicleChoice
 
 
@@ -86,3 +87,5 @@ class Outputs:
     """Receives the log with the first filter's attitudes inserted."""
     progress: Progress | None = None
     """Is told the share of the work done, 0 to 1, once a stretch of the log."""
+    observer: FlightObserver | None = None
+    """Sees the flight as it is replayed."""

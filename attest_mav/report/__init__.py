@@ -1,0 +1,1 @@
+"""One page of a replayed flight: its series over log time, and its figures."""
