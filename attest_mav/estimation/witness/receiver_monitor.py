@@ -54,9 +54,10 @@ class ReceiverMonitor:
         members = self.contradiction.members()
         return [one for one in members if one.hypothesis.kind != Explanation.RECEIVER]
 
-    def abandon(self) -> None:
-        """The lane on which explanations ran is gone: what contradicted may have been its own fault."""
-        self.contradiction = None
+    def abandon(self, lane: LaneWatch) -> None:
+        """A lane stands aside, or has lost the attitude that was contradicted: explanations do not run on it."""
+        if self.contradiction is not None and self.contradiction.lane is lane:
+            self.contradiction = None
 
     def take(self, selected: LaneWatch, lanes: Sequence[LaneWatch], disputed: bool) -> list[LaneEvent]:
         """Follow the lanes in good standing to the selected one's newest moment."""

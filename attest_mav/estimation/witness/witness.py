@@ -108,6 +108,7 @@ class Witness:
         elif lane.standing == Standing.GOOD and not lane.is_navigating:
             lane.standing = Standing.NEW
             self._end_disputes(lane)
+            self._receiver.abandon(lane)
         if lane.standing == Standing.GOOD and lane.dead.reason and self._another(lane) is not None:
             self._set_aside(lane, moment, lane.dead.reason, events)
         for other in good:
@@ -180,8 +181,7 @@ class Witness:
         for pair in self._pairs:
             if pair.has(lane):
                 pair.begin_watching(moment.t_ns)
-        if self._receiver.contradiction is not None and self._receiver.contradiction.lane is lane:
-            self._receiver.abandon()
+        self._receiver.abandon(lane)
         events.append(_event(lane, moment, LaneEventKind.FAULTY, reason))
 
     def _end_disputes(self, lane: LaneWatch) -> None:
