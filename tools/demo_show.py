@@ -20,6 +20,8 @@ from pathlib import Path
 from typing import IO
 
 from attest_mav.algebra import heading_between, q_to_euler, tilt_between
+from attest_mav.mavlink.component.encoder import Encoder
+from attest_mav.mavlink.constants import MAV_AUTOPILOT_INVALID, MAV_STATE_ACTIVE, MAV_TYPE_GCS
 from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.dialect import load_dialect
 from attest_mav.mavlink.wire.framer import Framer
@@ -44,6 +46,8 @@ NAMED = "RAW_IMU: gyro x +5"
 RATE_HZ = 20.0
 PATIENCE_S = 30.0
 COMPONENT = 193
+GROUND_STATION = (255, 190)
+"""System and component of the one who watches."""
 COLUMNS = 80
 
 MAX_TILT_DEG = 0.8
@@ -114,8 +118,11 @@ def heard(port: int) -> Iterator[Heard]:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listener:
         listener.connect(("127.0.0.1", port))
         listener.settimeout(PATIENCE_S)
-        listener.send(b"\0")  # a listening link answers whoever has spoken
+        station, next_s = Encoder(dialect, *GROUND_STATION), 0.0
         while True:
+            if time.monotonic() >= next_s:  # a listening link answers whoever speaks MAVLink
+                next_s = time.monotonic() + 1.0
+                listener.send(station.heartbeat(MAV_TYPE_GCS, MAV_AUTOPILOT_INVALID, 0, MAV_STATE_ACTIVE))
             for frame in framer.feed(listener.recv(65536), time.monotonic_ns()):
                 if frame.component != COMPONENT:
                     continue
