@@ -2,11 +2,13 @@
 
 import math
 import os
+import socket
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from attest_mav.logs.tlog.reader import tlog_record
 from attest_mav.mavlink.component.encoder import Encoder
@@ -118,3 +120,28 @@ def cuts() -> Path:
 def data_cut(cuts) -> bytes:
     """20 s of square laps: RAW_IMU, ATTITUDE and SIM_STATE at 50 Hz."""
     return (cuts / "copter_square_laps.tlog").read_bytes()
+
+
+@pytest.fixture
+def peer():
+    """A UDP socket on loopback, for a link to send to."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
+        sock.bind(("127.0.0.1", 0))
+        sock.setblocking(False)
+        yield sock
+
+
+@pytest.fixture
+def heard():
+    """Takes the messages that have come to a peer."""
+
+    def take(peer):
+        parser, messages = mavlink.MAVLink(None), []
+        while True:
+            try:
+                messages += parser.parse_buffer(peer.recv(2000)) or []
+            except BlockingIOError:
+                return messages
+
+    return take

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from attest_mav.errors import UnreadableDataError, UnwritableError
+from attest_mav.runtime.files import reason_of
 
 KEY: Final = "of"
 """Key of the object that tells which log, and which work on it, a result is of."""
@@ -39,7 +40,7 @@ class Results:
         try:
             os.write(self._descriptor, line.encode())
         except OSError as error:
-            raise UnwritableError(f"cannot write {self._path}: {error.strerror}") from None
+            raise UnwritableError(f"cannot write {self._path}: {reason_of(error)}") from None
 
     @contextmanager
     def open(self) -> Iterator[None]:
@@ -47,7 +48,7 @@ class Results:
         try:
             self._descriptor = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
         except OSError as error:
-            raise UnwritableError(f"cannot write {self._path}: {error.strerror}") from None
+            raise UnwritableError(f"cannot write {self._path}: {reason_of(error)}") from None
         try:
             self._read()
             yield

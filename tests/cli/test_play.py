@@ -1,11 +1,9 @@
 """``attest-mav play``: a recorded flight on a real link."""
 
-import socket
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from attest_mav.cli.play import command
 from attest_mav.errors import UnreadableDataError, UsageError
@@ -13,25 +11,7 @@ from attest_mav.errors import UnreadableDataError, UsageError
 LAPS = Path(__file__).parent.parent / "data" / "copter_square_laps.tlog"
 
 
-@pytest.fixture
-def peer():
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
-        sock.bind(("127.0.0.1", 0))
-        sock.setblocking(False)
-        yield sock
-
-
-def heard(peer):
-    parser, messages = mavlink.MAVLink(None), []
-    while True:
-        try:
-            messages += parser.parse_buffer(peer.recv(2000)) or []
-        except BlockingIOError:
-            return messages
-
-
-def test_a_log_is_heard_as_it_was_recorded(peer):
+def test_a_log_is_heard_as_it_was_recorded(peer, heard):
     link = f"udpout:127.0.0.1:{peer.getsockname()[1]}"
     done = CliRunner().invoke(command, [str(LAPS), "--to", link, "--speed", "100"])
     assert done.exit_code == 0, done.output

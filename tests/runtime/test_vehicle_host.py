@@ -18,29 +18,10 @@ DURATION_NS = 3_000_000_000
 
 
 @pytest.fixture
-def peer():
-    """A socket that the vehicle flies to."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 20)
-        sock.bind(("127.0.0.1", 0))
-        sock.setblocking(False)
-        yield sock
-
-
-@pytest.fixture
 def link(peer):
     link = open_link(parse_link(f"udpout:127.0.0.1:{peer.getsockname()[1]}"), 0)
     yield link
     link.close()
-
-
-def heard(peer):
-    parser, messages = mavlink.MAVLink(None), []
-    while True:
-        try:
-            messages += parser.parse_buffer(peer.recv(2000)) or []
-        except BlockingIOError:
-            return messages
 
 
 def fly(link, duration_ns, stopped=False):
@@ -52,7 +33,7 @@ def fly(link, duration_ns, stopped=False):
         host.run(stop)
 
 
-def test_it_flies_for_the_simulated_time_and_ends(peer, link):
+def test_it_flies_for_the_simulated_time_and_ends(peer, heard, link):
     began_s = time.monotonic()
     fly(link, DURATION_NS)
     assert time.monotonic() - began_s >= DURATION_NS * 1e-9 / SPEED
@@ -64,7 +45,7 @@ def test_it_flies_for_the_simulated_time_and_ends(peer, link):
     assert times_us[-1] == pytest.approx(3e6, abs=4e4)
 
 
-def test_it_answers_on_its_link(peer, link):
+def test_it_answers_on_its_link(peer, heard, link):
     sender = mavlink.MAVLink(None, srcSystem=255, srcComponent=190)
     command = mavlink.MAVLink_command_long_message(
         1, 1, mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, 0, 27, 1e5, 0, 0, 0, 0, 0
@@ -80,6 +61,6 @@ def test_it_answers_on_its_link(peer, link):
     assert np.diff(times_us[1:]) == pytest.approx(1e5, abs=2e4), "ten a second from the answer on"
 
 
-def test_the_stop_signal_ends_it_before_its_time(peer, link):
+def test_the_stop_signal_ends_it_before_its_time(peer, heard, link):
     fly(link, None, stopped=True)
     assert len(heard(peer)) < 5
