@@ -4,6 +4,7 @@
 
     AttestMavError
      +-- UsageError          2   an argument that cannot be meant
+     |    +-- ArgumentError      the same in a call from Python, a ValueError too
      +-- UnreadableDataError 65  a file that is missing, empty, or not what it should be
      +-- UnwritableError     65  a result that cannot be written
      +-- LinkError           69  a port or device that cannot be opened
@@ -48,3 +49,7 @@ class ConfigError(AttestMavError):
     """A configuration file or value is wrong. The message names the file and the key."""
 
     exit_code = 78
+
+
+class ArgumentError(UsageError, ValueError):
+    """A call of the library with an argument that makes no sense: the argument, what is expected, and what came."""

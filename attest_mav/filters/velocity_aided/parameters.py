@@ -7,6 +7,7 @@ Navigation Systems, 2nd ed., sections 4.4 and 14.2.6.)
 
 from dataclasses import dataclass
 from math import radians
+from typing import Final
 
 from attest_mav.types import G_MPS2
 
@@ -124,3 +125,9 @@ class FlightParameters:
     """rad. 1-sigma of the tilt below which the attitude is called valid."""
     gravity: float = G_MPS2
     """m/s^2. Local gravity."""
+
+
+BARE_SENSOR: Final = FlightParameters(
+    low_pass_hz=0.0, low_pass_delay_sigma=0.0, fix_delay_s=0.0, mag_delay_s=0.0, own_delay_s=0.0
+)
+"""Parameters for readings as a sensor gives them, neither low-passed nor late, as an autopilot's messages are."""
