@@ -12,6 +12,7 @@ from setuptools.command.build_ext import build_ext
 from setuptools.errors import BaseError, CCompilerError
 
 CORE = [
+    "record.py",
     "types.py",
     "samples.py",
     "vehicle_settings.py",
@@ -52,7 +53,12 @@ def core_extensions():
     modules = [str(source) for source in sources if source.name != "__init__.py"]
     arguments = ["--config-file", "pyproject.toml", *modules]
     extensions = mypycify(arguments, opt_level="3", debug_level="0", multi_file=True)
+    sys.path.insert(0, "tools")
+    from compiled_docstrings import add_docstrings
+
     for extension in extensions:
+        for source in extension.sources:
+            add_docstrings(Path(source))
         extension.sources = in_units(extension.sources)
         # Without the first, position-independent code calls every small function through a table instead of
         # inlining it: steps of the filters then take twice as long. The second keeps compiled equal to interpreted.

@@ -5,11 +5,12 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.innovation import Innovation
+from attest_mav.record import Record
 from attest_mav.types import North, Quat, Vec3
 
 
 @mypyc_attr(acyclic=True)  # as Sample
-class Estimate:
+class Estimate(Record):
     """Attitude of one lane's filter at one IMU sample.
 
     lane: the IMU message. filter_name: the filter. q_nb: body to NED, sign-continuous. rates: bias-corrected body

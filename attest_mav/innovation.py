@@ -11,6 +11,8 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
+from attest_mav.record import Record
+
 
 class Aid(IntEnum):
     """A source of information besides the integrated inertial sensor."""
@@ -61,7 +63,7 @@ class Fusion(IntEnum):
 
 
 @mypyc_attr(acyclic=True)  # as Sample
-class Innovation:
+class Innovation(Record):
     """One aid in one step. Vectors have one element for each scalar measurement."""
 
     def __init__(

@@ -12,11 +12,12 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
+from attest_mav.record import Record
 from attest_mav.types import Vec3
 
 
 @mypyc_attr(acyclic=True)
-class Smoothed:
+class Smoothed(Record):
     """The low-pass after a sample. value: y. slope: T y', in the unit of y."""
 
     def __init__(self, value: Vec3, slope: Vec3) -> None:

@@ -4,6 +4,7 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
+from attest_mav.record import Record
 from attest_mav.types import (
     EXACT,
     NO_TIME,
@@ -19,7 +20,7 @@ from attest_mav.types import (
 
 # Numbers, text and other records form no cycles: compiled, a record is made faster without the collector.
 @mypyc_attr(acyclic=True)
-class Sample:
+class Sample(Record):
     """Base of everything a decoder makes out of one message.
 
     ``source`` names the stream (the MAVLink message or log record), ``system`` and ``component`` who sent it.

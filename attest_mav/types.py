@@ -34,6 +34,8 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
+from attest_mav.record import Record
+
 Vec3 = tuple[float, float, float]
 Quat = tuple[float, float, float, float]
 Mat3 = tuple[Vec3, Vec3, Vec3]
@@ -74,7 +76,7 @@ class VehicleKind(IntEnum):
 
 
 @mypyc_attr(acyclic=True)  # as the samples that carry it
-class Quantum:
+class Quantum(Record):
     """The resolution of an inertial sample's readings: one count of gyro (rad/s), accel (m/s^2) and mag (gauss).
 
     Readings are truncated toward zero to whole counts; 0 means that they are exact.
@@ -90,7 +92,7 @@ EXACT: Final = Quantum(0.0, 0.0, 0.0)
 """The quantum of readings that are floating-point numbers."""
 
 
-class EarthField:
+class EarthField(Record):
     """The direction of the Earth's magnetic field where the vehicle is; rad, NaN where it is not known.
 
     declination: east of true north. inclination: below the horizontal.

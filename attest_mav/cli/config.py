@@ -1,11 +1,14 @@
 """``attest-mav config``: check a configuration, or show the effective one."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import click
 
 from attest_mav.config.records import Config, parse_config
 from attest_mav.config.text import to_toml
+from attest_mav.errors import ConfigError, UsageError
+from attest_mav.filters.own import search_here
 from attest_mav.runtime.files import read_config
 from attest_mav.service.assembly import check_simulations, check_unsigned_messages
 
@@ -43,4 +46,16 @@ def load(file: str | None, changes: Sequence[str] = ()) -> Config:
     config = parse_config(text, name, changes)
     check_simulations(config, name)
     check_unsigned_messages(config, name)
+    _check_own_filter(config, name)
     return config
+
+
+def _check_own_filter(config: Config, name: str) -> None:
+    """ConfigError for a filter of one's own that cannot be made."""
+    if config.filter.name != "own":
+        return
+    search_here(str(Path.cwd()))
+    try:
+        config.filter.build()
+    except UsageError as error:
+        raise ConfigError(f"{name}: filter.own: {error}") from None

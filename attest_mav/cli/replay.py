@@ -46,7 +46,7 @@ from attest_mav.runtime.results import Results
     default=AUTO,
     show_default=True,
     metavar="A,B",
-    help=f"Filters to run, of {', '.join(filter_names())}; {AUTO}: velocity-aided, whether or not there is a velocity.",
+    help=f"Filters to run, of {', '.join(filter_names())}, or MODULE:CLASS; {AUTO}: velocity-aided.",
 )
 @click.option("--imu", metavar="MESSAGE", help=f"Inertial message to use, of {', '.join(inertial_names())}.")
 @click.option("--reference", metavar="MESSAGE", help=f"What to compare with, of {', '.join(reference_names())}.")

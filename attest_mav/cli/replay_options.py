@@ -11,6 +11,7 @@ from attest_mav.errors import UsageError
 from attest_mav.estimation.delay import RECORDED_DRIFT
 from attest_mav.estimation.pipeline import PipelineSettings
 from attest_mav.filters.base import AttitudeFilter
+from attest_mav.filters.own import search_here
 from attest_mav.filters.registry import default_filter
 from attest_mav.replay.plan import VehicleChoice
 from attest_mav.replay.request import Window
@@ -27,6 +28,8 @@ def filters_of(text: str, named: Callable[[str], AttitudeFilter]) -> tuple[Attit
         return ()
     if AUTO in names:
         raise UsageError(f"--filter {text}: {AUTO} stands alone; expected it, or names of filters")
+    if any(":" in name for name in names):
+        search_here(str(Path.cwd()))
     if len(set(names)) < len(names):
         raise UsageError(f"--filter {text}: a filter is named twice")
     return tuple(named(name) for name in names)

@@ -10,10 +10,11 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
-from attest_mav.errors import UsageError
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.gradient_descent.filter import FixedField, GradientDescent
 from attest_mav.filters.leveling.filter import Leveling
+from attest_mav.filters.own import Parameter, own_filter
+from attest_mav.filters.registry import unknown_filter
 from attest_mav.filters.robust_adaptive.filter import RobustAdaptive
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
@@ -125,19 +126,32 @@ class VelocityAidedConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=Tru
         return VelocityAided(parameters, isinstance(low_pass, str), isinstance(fix_delay, str))
 
 
+class OwnFilterConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A filter of one's own: the class MODULE:CLASS, and the parameters that it is made with."""
+
+    filter_class: str = msgspec.field(name="class", default="")
+    parameters: dict[str, Parameter] = {}
+
+    def build(self) -> AttitudeFilter:
+        """The filter with these parameters."""
+        return own_filter(self.filter_class, self.parameters)
+
+
 class FilterConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The filter that is published, and the parameters of each: one table a filter, named like it.
 
     auto is velocity-aided, which falls back to airspeed, gravity or zero motion when no velocity is available.
     """
 
-    name: Literal["auto", "gradient-descent", "robust-adaptive", "leveling", "velocity-aided"] = "auto"
+    name: Literal["auto", "gradient-descent", "robust-adaptive", "leveling", "velocity-aided", "own"] = "auto"
     gradient_descent: GradientDescentConfig = msgspec.field(
         name="gradient-descent", default_factory=GradientDescentConfig
     )
     robust_adaptive: RobustAdaptiveConfig = msgspec.field(name="robust-adaptive", default_factory=RobustAdaptiveConfig)
     leveling: LevelingConfig = msgspec.field(default_factory=LevelingConfig)
     velocity_aided: VelocityAidedConfig = msgspec.field(name="velocity-aided", default_factory=VelocityAidedConfig)
+
+    own: OwnFilterConfig = msgspec.field(default_factory=OwnFilterConfig)
 
     @property
     def chosen(self) -> str:
@@ -149,13 +163,22 @@ class FilterConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_o
         return self.named(self.chosen)
 
     def named(self, name: str) -> AttitudeFilter:
-        """The filter of that name with its parameters; UsageError lists the names if there is none."""
-        configs: dict[str, GradientDescentConfig | RobustAdaptiveConfig | LevelingConfig | VelocityAidedConfig] = {
+        """The filter of that name, or of the class MODULE:CLASS, with its parameters.
+
+        UsageError lists the names if there is none.
+        """
+        configs: dict[str, _AnyConfig] = {
             "gradient-descent": self.gradient_descent,
             "robust-adaptive": self.robust_adaptive,
             "leveling": self.leveling,
             "velocity-aided": self.velocity_aided,
+            "own": self.own,
         }
+        if ":" in name:
+            return own_filter(name, self.own.parameters if name == self.own.filter_class else {})
         if name not in configs:
-            raise UsageError(f"unknown filter {name!r}; known filters: {', '.join(configs)}")
+            raise unknown_filter(name)
         return configs[name].build()
+
+
+_AnyConfig = GradientDescentConfig | RobustAdaptiveConfig | LevelingConfig | VelocityAidedConfig | OwnFilterConfig

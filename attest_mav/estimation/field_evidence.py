@@ -13,6 +13,7 @@ from mypy_extensions import mypyc_attr
 from attest_mav.algebra import add, norm, rotate, scale, sub, unit
 from attest_mav.estimation.timebase import wrapped_difference_ns
 from attest_mav.estimation.witness.field_watch import FieldWatch
+from attest_mav.record import Record
 from attest_mav.types import Quat, Vec3
 
 LARGEST_EVIDENCE: Final = 12.0
@@ -31,7 +32,7 @@ APART_LEAST: Final = 0.012
 
 
 @mypyc_attr(acyclic=True)  # as Sample
-class FieldReading:
+class FieldReading(Record):
     """One reading of the magnetometer, with what our filter made of it.
 
     field: in the body, gauss. hard_iron: of it by our filter, gauss. q_nb: our attitude at its instant, t_ns.

@@ -13,6 +13,7 @@ from mypy_extensions import mypyc_attr
 from attest_mav.algebra import add, norm, q_exp, q_mul, scale, sub
 from attest_mav.estimate import Estimate
 from attest_mav.estimation.timebase import wrapped_difference_ns
+from attest_mav.record import Record
 from attest_mav.samples import AttitudeSample
 from attest_mav.types import Quat, Vec3
 
@@ -28,7 +29,7 @@ MAX_WAITING: Final = 32
 
 
 @mypyc_attr(acyclic=True)  # as Sample
-class Carried:
+class Carried(Record):
     """Our attitude at the time of one of the autopilot's.
 
     estimate: the nearest one. q_nb: carried to the instant. slack: rad, error that the carrying may have made.

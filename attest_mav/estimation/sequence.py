@@ -8,8 +8,6 @@ own.
 from math import isfinite, nan
 from typing import Final
 
-from mypy_extensions import mypyc_attr
-
 from attest_mav.algebra import norm, rotate_back
 from attest_mav.estimation.alignment import ecompass
 from attest_mav.estimation.filter_run import FilterRun
@@ -26,29 +24,16 @@ SOURCE: Final = "arrays"
 """The name of the stream; there is only one."""
 
 
-@mypyc_attr(acyclic=True)  # as samples.Sample
-class Fix:
-    """A velocity over ground at one instant."""
+def velocity_fix(t_ns: int, v_ned: Vec3, sigma: float = nan) -> VelocitySample:
+    """A velocity over ground at one instant, as filters take it.
 
-    def __init__(self, t_ns: int, v_ned: Vec3, sigma: float = nan) -> None:
-        """Keep the fix as filters take it.
-
-        t_ns: when it was valid. v_ned: m/s, z NaN where the vertical velocity is not known. sigma: m/s an axis, NaN
-        where the receiver reports none.
-        """
-        vertical_known = isfinite(v_ned[2])
-        velocity = v_ned if vertical_known else (v_ned[0], v_ned[1], 0.0)
-        self.sample: Final = VelocitySample(
-            SOURCE,
-            1,
-            1,
-            t_ns,
-            t_ns,
-            velocity,
-            vertical_known,
-            VelocityOrigin.RECEIVER,
-            sigma if sigma > 0.0 else None,
-        )
+    t_ns: when it was valid. v_ned: m/s, z NaN where the vertical velocity is not known. sigma: m/s an axis, NaN where
+    the receiver reports none.
+    """
+    vertical_known = isfinite(v_ned[2])
+    velocity = v_ned if vertical_known else (v_ned[0], v_ned[1], 0.0)
+    known_sigma = sigma if sigma > 0.0 else None
+    return VelocitySample(SOURCE, 1, 1, t_ns, t_ns, velocity, vertical_known, VelocityOrigin.RECEIVER, known_sigma)
 
 
 class FilterSequence:
@@ -75,11 +60,11 @@ class FilterSequence:
         own = None if state is None else state.referred_to
         return self._run.north if own is None else own
 
-    def give_velocity(self, fix: Fix) -> None:
+    def give_velocity(self, fix: VelocitySample) -> None:
         """Take a velocity fix, to be used from the next reading on."""
         if self._velocity is None:
             self._unaided = _inputs(self._field, in_place=False)
-        self._velocity = fix.sample
+        self._velocity = fix
         self._is_new = True
 
     def advance(self, t_ns: int, gyro: Vec3, accel: Vec3, mag: Vec3 | None) -> FilterState | None:

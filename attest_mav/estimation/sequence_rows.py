@@ -6,9 +6,10 @@ The loop stands in the compiled core, so that a filter over arrays costs little 
 from math import isfinite, nan
 from typing import Final
 
-from attest_mav.estimation.sequence import FilterSequence, Fix
+from attest_mav.estimation.sequence import FilterSequence
 from attest_mav.filters.base import FilterState
 from attest_mav.innovation import Innovation
+from attest_mav.samples import VelocitySample
 from attest_mav.types import Vec3
 
 Rows = list[list[float]]
@@ -40,7 +41,9 @@ class SolutionRows:
         self.innovations: Final[list[float]] = []
 
 
-def run_rows(sequence: FilterSequence, readings: ReadingRows, fixes: list[Fix], first: int = 0) -> SolutionRows:
+def run_rows(
+    sequence: FilterSequence, readings: ReadingRows, fixes: list[VelocitySample], first: int = 0
+) -> SolutionRows:
     """The filter over the readings. A fix is used from the first reading on that is not earlier.
 
     fixes: in order of time. first: the number of the first reading, for the rows of innovations.
@@ -50,7 +53,7 @@ def run_rows(sequence: FilterSequence, readings: ReadingRows, fixes: list[Fix], 
     next_fix = 0
     for k in range(len(readings.t_ns)):
         t_ns = readings.t_ns[k]
-        while next_fix < len(fixes) and fixes[next_fix].sample.t_ns <= t_ns:
+        while next_fix < len(fixes) and fixes[next_fix].t_ns <= t_ns:
             sequence.give_velocity(fixes[next_fix])
             next_fix += 1
         mag = None if mags is None else _field(mags[k])

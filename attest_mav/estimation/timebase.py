@@ -9,6 +9,8 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
+from attest_mav.record import Record
+
 GAP_S: Final = 0.1
 GAP_PERIODS: Final = 2.5
 """A step longer than both, the second in usual steps, is a gap: the filter goes on, and the gap is counted. A stream
@@ -57,7 +59,7 @@ class StepKind(IntEnum):
 
 
 @mypyc_attr(acyclic=True)  # as Sample
-class TimeStep:
+class TimeStep(Record):
     """One classified step. ``dt_s`` is positive for STEP, GAP and RESTART and 0 otherwise.
 
     ``t_ns`` is the timestamp unwrapped: it grows as long as the autopilot runs.

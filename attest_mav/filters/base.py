@@ -11,6 +11,7 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.innovation import Innovation
+from attest_mav.record import Record
 from attest_mav.samples import ImuSample, VelocitySample
 from attest_mav.types import AirspeedSource, North, Quat, Vec3
 from attest_mav.vehicle_settings import VehicleSettings
@@ -20,7 +21,7 @@ MAX_CORRECTION_DT_S: Final = 0.05
 
 
 @mypyc_attr(acyclic=True)  # as samples.Sample
-class Start:
+class Start(Record):
     """Where a filter begins: the outcome of alignment."""
 
     def __init__(
@@ -41,7 +42,7 @@ class Start:
 
 
 @mypyc_attr(acyclic=True)  # as samples.Sample
-class BodyVelocity:
+class BodyVelocity(Record):
     """Velocity in the body at one instant, m/s."""
 
     def __init__(
@@ -60,7 +61,7 @@ class BodyVelocity:
 
 
 @mypyc_attr(acyclic=True)  # as samples.Sample
-class Airspeed:
+class Airspeed(Record):
     """Speed through the air."""
 
     def __init__(self, speed: float, source: AirspeedSource) -> None:
@@ -71,7 +72,7 @@ class Airspeed:
 
 
 @mypyc_attr(acyclic=True)  # as samples.Sample
-class FilterInputs:
+class FilterInputs(Record):
     """Everything known besides the inertial sample, at the time of the sample."""
 
     def __init__(
@@ -131,7 +132,7 @@ class FilterInputs:
 # Floats and flags form no cycles: compiled, a state is made faster without the collector. A filter outside the compiled
 # core may extend state and filter.
 @mypyc_attr(acyclic=True, allow_interpreted_subclasses=True)
-class FilterState:
+class FilterState(Record):
     """The part that all states share; each filter adds its own fields."""
 
     def __init__(
@@ -183,7 +184,7 @@ class FilterState:
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
-class AttitudeFilter:
+class AttitudeFilter(Record):
     """The protocol. Subclasses are frozen dataclasses of parameters.
 
     A state made by one filter goes only into that filter's ``step``, which narrows it by a cast (the compiler

@@ -15,6 +15,7 @@ from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import clamp, dot, down_in_body, norm
 from attest_mav.plausible import is_field
+from attest_mav.record import Record
 from attest_mav.types import Quat, Vec3
 
 
@@ -41,7 +42,7 @@ VQF_LIMITS: Final = FieldLimits(0.05, 0.1, radians(10.0), 20.0, 60.0)
 
 
 @mypyc_attr(acyclic=True)
-class FieldMonitor:
+class FieldMonitor(Record):
     """The monitor after a reading."""
 
     def __init__(

@@ -4,6 +4,7 @@ from attest_mav.errors import UsageError
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.leveling.filter import Leveling
+from attest_mav.filters.own import own_filter
 from attest_mav.filters.robust_adaptive.filter import RobustAdaptive
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 
@@ -14,7 +15,10 @@ def filter_names() -> tuple[str, ...]:
 
 
 def default_filter(name: str) -> AttitudeFilter:
-    """The filter of that name with its default parameters; UsageError lists the names if there is none."""
+    """The filter of that name with its default parameters, or of the class MODULE:CLASS.
+
+    UsageError lists the names if there is none.
+    """
     if name == "gradient-descent":
         return GradientDescent()
     if name == "robust-adaptive":
@@ -23,4 +27,11 @@ def default_filter(name: str) -> AttitudeFilter:
         return Leveling()
     if name == "velocity-aided":
         return VelocityAided()
-    raise UsageError(f"unknown filter {name!r}; known filters: {', '.join(filter_names())}")
+    if ":" in name:
+        return own_filter(name, {})
+    raise unknown_filter(name)
+
+
+def unknown_filter(name: str) -> UsageError:
+    """The error that lists the names."""
+    return UsageError(f"unknown filter {name!r}; known filters: {', '.join(filter_names())}, and MODULE:CLASS")

@@ -6,7 +6,7 @@ from typing import Final
 
 from attest_mav.algebra import q_continuous
 from attest_mav.errors import ArgumentError
-from attest_mav.estimation.sequence import FilterSequence, Fix
+from attest_mav.estimation.sequence import FilterSequence, velocity_fix
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.innovation import Innovation
 from attest_mav.library.frames import frames_named
@@ -61,7 +61,7 @@ class LiveAttitude:
         field = None if mag is None else body(_vector("mag", mag))
         rates, force = body(_vector("gyro", gyro)), body(_vector("accel", accel))
         if velocity is not None:
-            self._sequence.give_velocity(Fix(t_ns, world(_vector("velocity", velocity))))
+            self._sequence.give_velocity(velocity_fix(t_ns, world(_vector("velocity", velocity))))
         self._t_ns = t_ns
         state = self._sequence.advance(t_ns, rates, force, _known(field))
         if state is None or not state.aligned:

@@ -8,8 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from attest_mav.errors import ArgumentError
-from attest_mav.estimation.sequence import Fix
+from attest_mav.estimation.sequence import velocity_fix
 from attest_mav.library.frames import Frames, frames_named
+from attest_mav.samples import VelocitySample
 from attest_mav.types import EarthField, Vec3
 
 Array = npt.NDArray[np.float64]
@@ -75,7 +76,7 @@ class Readings:
     def __len__(self) -> int:
         return len(self.t)
 
-    def fixes(self) -> list[Fix]:
+    def fixes(self) -> list[VelocitySample]:
         """The velocity as fixes, without the rows that are missing."""
         if self.velocity is None:
             return []
@@ -83,7 +84,9 @@ class Readings:
         times = nanoseconds(self.velocity_t[usable])
         sigmas = [nan] * len(times) if self.velocity_sigma is None else self.velocity_sigma[usable].tolist()
         rows = self.velocity[usable].tolist()
-        return [Fix(t_ns, (x, y, z), sigma) for t_ns, (x, y, z), sigma in zip(times, rows, sigmas, strict=True)]
+        return [
+            velocity_fix(t_ns, (x, y, z), sigma) for t_ns, (x, y, z), sigma in zip(times, rows, sigmas, strict=True)
+        ]
 
 
 def nanoseconds(t: Array) -> list[int]:

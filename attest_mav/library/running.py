@@ -48,7 +48,7 @@ def run_readings(attitude_filter: AttitudeFilter, readings: Readings) -> Solutio
     for first in range(0, len(readings), STRETCH):
         rows = _stretch(readings, slice(first, first + STRETCH))
         until = taken
-        while until < len(fixes) and fixes[until].sample.t_ns <= rows.t_ns[-1]:
+        while until < len(fixes) and fixes[until].t_ns <= rows.t_ns[-1]:
             until += 1
         found = run_rows(sequence, rows, fixes[taken:until], first)
         taken = until

@@ -14,6 +14,7 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import add, norm, q_conj, q_continuous, q_exp, q_mul, scale, sub
+from attest_mav.record import Record
 from attest_mav.types import Quat, Vec3
 
 ERROR_SHARE: Final = 0.15
@@ -23,7 +24,7 @@ EVEN_SHARE: Final = 0.25
 
 
 @mypyc_attr(acyclic=True)  # as Sample
-class Knot:
+class Knot(Record):
     """One sample of the reference."""
 
     def __init__(self, t_ns: int, q_nb: Quat, rates: Vec3 | None) -> None:
@@ -34,7 +35,7 @@ class Knot:
 
 
 @mypyc_attr(acyclic=True)  # as Sample
-class RateReading:
+class RateReading(Record):
     """One reading of the gyro."""
 
     def __init__(self, t_ns: int, rates: Vec3) -> None:

@@ -8,6 +8,7 @@ from mypy_extensions import mypyc_attr
 from attest_mav.algebra import heading_between, tilt_between
 from attest_mav.estimation.timebase import WRAP_NS
 from attest_mav.innovation import Innovation
+from attest_mav.record import Record
 from attest_mav.replay.consistency import Consistency
 from attest_mav.replay.metrics import SURE, ErrorColumns
 from attest_mav.replay.reference_track import MEMORY_NS, Lack, ReferenceTrack
@@ -16,7 +17,7 @@ from attest_mav.types import North, Quat
 
 
 @mypyc_attr(acyclic=True)  # as Sample
-class Attitude:
+class Attitude(Record):
     """One attitude to be compared. Sigmas and innovations are those of ``Estimate``."""
 
     def __init__(
@@ -47,7 +48,7 @@ class Attitude:
 
 
 @mypyc_attr(acyclic=True)  # as Sample
-class ComparedAttitude:
+class ComparedAttitude(Record):
     """One attitude with its errors against the reference."""
 
     def __init__(self, name: str, attitude: Attitude, tilt: float | None, heading: float | None) -> None:

@@ -12,6 +12,7 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
+from attest_mav.record import Record
 from attest_mav.samples import AttitudeSample
 
 BURST_NS: Final = 10_000_000
@@ -23,7 +24,7 @@ MEMORY: Final = 0.95
 
 
 @mypyc_attr(acyclic=True)  # as Sample
-class Stamped:
+class Stamped(Record):
     """An untimed sample with the time found for it, on the sensor's clock."""
 
     def __init__(self, sample: AttitudeSample, t_ns: int) -> None:

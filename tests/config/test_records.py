@@ -258,7 +258,7 @@ def test_the_words_that_the_configuration_repeats_are_those_of_the_code():
     """It does not import the packages that act on them, but for tables of names."""
     assert get_args(SpeedSource) == SPEED_SOURCES
     assert get_args(VelocitySource) == ("GPS_RAW_INT", *POSITION_MESSAGES, "none")
-    assert get_args(FilterConfig.__annotations__["name"]) == ("auto", *filter_names())
+    assert get_args(FilterConfig.__annotations__["name"]) == ("auto", *filter_names(), "own")
 
 
 def test_links_of_the_command_line_replace_those_of_the_file():

@@ -8,6 +8,7 @@ from mypy_extensions import mypyc_attr
 
 from attest_mav.estimation.witness.flight_state import velocity_of
 from attest_mav.filters.base import FilterInputs, FilterState
+from attest_mav.record import Record
 from attest_mav.samples import ImuSample
 from attest_mav.types import Vec3
 
@@ -19,7 +20,7 @@ of the daemon's memory."""
 
 
 @mypyc_attr(acyclic=True)  # as Sample
-class Instant:
+class Instant(Record):
     """One sample of a lane. Its inputs have the newest fix as it came, used or not."""
 
     def __init__(self, t_ns: int, dt_s: float, sample: ImuSample, inputs: FilterInputs) -> None:

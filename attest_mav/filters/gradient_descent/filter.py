@@ -20,12 +20,13 @@ from attest_mav.filters.gradient_descent.heading_step import heading_corrected, 
 from attest_mav.filters.gradient_descent.options import advanced_memory, initial_memory, prepared_sample
 from attest_mav.filters.gradient_descent.state import GradientDescentState, OptionState
 from attest_mav.plausible import is_field, is_rate
+from attest_mav.record import Record
 from attest_mav.samples import ImuSample
 from attest_mav.types import G_MPS2, Quat, Vec3
 
 
 @dataclass(frozen=True)
-class FixedField:
+class FixedField(Record):
     """A reference field of unit length in the vertical plane of its own north."""
 
     b_x: float

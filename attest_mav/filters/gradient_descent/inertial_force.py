@@ -11,11 +11,12 @@ from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import q_exp, q_mul, q_unit, rotate, rotate_back, scale
 from attest_mav.low_pass import Smoothed, smoothed, steady
+from attest_mav.record import Record
 from attest_mav.types import Quat, Vec3
 
 
 @mypyc_attr(acyclic=True)
-class InertialForce:
+class InertialForce(Record):
     """The low-passed specific force."""
 
     def __init__(self, q_inertial_body: Quat, force: Smoothed) -> None:

@@ -14,12 +14,13 @@ from attest_mav.filters.field_monitor import VQF_LIMITS, FieldMonitor, monitored
 from attest_mav.filters.gradient_descent.inertial_force import InertialForce, advanced, initial_force
 from attest_mav.filters.gradient_descent.stationary_bias import StationaryBias, detect_bias, initial_bias
 from attest_mav.plausible import is_force
+from attest_mav.record import Record
 from attest_mav.samples import ImuSample
 from attest_mav.types import Quat
 
 
 @mypyc_attr(acyclic=True)
-class OptionMemory:
+class OptionMemory(Record):
     """The memory of each option; one that is off keeps that of the start."""
 
     def __init__(self, stationary: StationaryBias, inertial: InertialForce, field: FieldMonitor | None) -> None:

@@ -84,6 +84,8 @@ class OptionState(GradientDescentState):
             plain.field_residual,
             plain.sample,
         )
+        self.plain: Final = plain
+        """The paper's part of the step."""
         self.memory: Final = memory
         """Of the options."""
         self.heading_error: Final = heading_error

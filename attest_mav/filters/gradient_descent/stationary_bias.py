@@ -12,6 +12,7 @@ from mypy_extensions import mypyc_attr
 from attest_mav.algebra import add, is_finite, scale, sub
 from attest_mav.filters.stationary import MAX_GYRO_BIAS, StillnessLimits, is_near
 from attest_mav.low_pass import Smoothed, smoothed, steady
+from attest_mav.record import Record
 from attest_mav.types import Vec3
 
 SMOOTHING_S: Final = 0.5
@@ -25,7 +26,7 @@ MEMORY_S: Final = 10.0
 
 
 @mypyc_attr(acyclic=True)
-class StationaryBias:
+class StationaryBias(Record):
     """Detector and bias after a sample."""
 
     def __init__(self, bias: Vec3, gyro: Smoothed, accel: Smoothed, quiet_s: float, averaged_s: float) -> None:

@@ -26,6 +26,7 @@ from attest_mav.matrices import (
     symmetric,
     trace,
 )
+from attest_mav.record import Record
 from attest_mav.types import Mat3, Vec3
 
 MIN_VARIANCE: Final = 1e-12
@@ -33,7 +34,7 @@ MIN_VARIANCE: Final = 1e-12
 
 
 @mypyc_attr(acyclic=True, free_list_len=1)  # as GradientDescentState
-class LevelState:
+class LevelState(Record):
     """The estimate of velocity and down vector."""
 
     def __init__(self, velocity: Vec3, down: Vec3, p_vv: Mat3, p_vd: Mat3, p_dd: Mat3) -> None:

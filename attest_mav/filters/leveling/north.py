@@ -12,6 +12,7 @@ from mypy_extensions import mypyc_attr
 from attest_mav.algebra import add, cross, dot, norm, scale, sub
 from attest_mav.innovation import Aid, Fusion, Innovation
 from attest_mav.plausible import MIN_HORIZONTAL_FIELD, is_field
+from attest_mav.record import Record
 from attest_mav.types import Mat3, Vec3
 
 EARTH_RATE: Final = 7.292115e-5
@@ -21,7 +22,7 @@ MIN_LENGTH: Final = 1e-6
 
 
 @mypyc_attr(acyclic=True, free_list_len=1)  # as GradientDescentState
-class NorthVector:
+class NorthVector(Record):
     """A heading, as a direction in the body, with the record of its correction."""
 
     def __init__(

@@ -9,11 +9,12 @@ from attest_mav.filters.base import FilterState
 from attest_mav.filters.leveling.model import LevelState, tilt_variance
 from attest_mav.filters.leveling.north import NorthVector
 from attest_mav.innovation import Aid, Fusion, Innovation
+from attest_mav.record import Record
 from attest_mav.types import Quat, Vec3
 
 
 @mypyc_attr(acyclic=True, free_list_len=1)  # as GradientDescentState
-class VelocityModel:
+class VelocityModel(Record):
     """The model of the velocity that is in use."""
 
     def __init__(self, stationary: bool, moving: bool, velocity: Vec3) -> None:
@@ -26,7 +27,7 @@ class VelocityModel:
 
 
 @mypyc_attr(acyclic=True, free_list_len=1)  # as GradientDescentState
-class VelocityFusion:
+class VelocityFusion(Record):
     """The velocity measurements of one step; NaN for an axis that was not used."""
 
     def __init__(self, aid: Aid, observation: Vec3, residual: Vec3, variance: Vec3) -> None:
@@ -53,7 +54,7 @@ class VelocityFusion:
 
 
 @mypyc_attr(acyclic=True, free_list_len=1)  # as GradientDescentState
-class LengthFusion:
+class LengthFusion(Record):
     """The unit-length constraint of one step."""
 
     def __init__(self, residual: float, variance: float) -> None:

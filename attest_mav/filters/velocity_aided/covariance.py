@@ -33,11 +33,12 @@ from attest_mav.matrices import (
     symmetric,
     transpose,
 )
+from attest_mav.record import Record
 from attest_mav.types import Mat3, Vec3
 
 
 @mypyc_attr(acyclic=True)
-class Covariance:
+class Covariance(Record):
     """The upper blocks, three rows each, in the order of the rows of P."""
 
     def __init__(
@@ -137,7 +138,7 @@ class Covariance:
 
 
 @mypyc_attr(acyclic=True)
-class ProcessNoise:
+class ProcessNoise(Record):
     """Variances that one step adds, per axis but for the velocity. Scale error, delays and declination are constant."""
 
     def __init__(self, t: float, v: Mat3, b: float, a: float, m: float) -> None:

@@ -10,6 +10,7 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import add, scale, sub
+from attest_mav.record import Record
 from attest_mav.types import Vec3
 
 LENGTH_NS: Final = 600_000_000
@@ -21,7 +22,7 @@ FUTURE_NS: Final = 50_000_000
 
 
 @mypyc_attr(acyclic=True)
-class HistoryPoint:
+class HistoryPoint(Record):
     """The integral of the specific force up to one instant."""
 
     def __init__(self, t_ns: int, delta_velocity: Vec3) -> None:
@@ -32,7 +33,7 @@ class HistoryPoint:
 
 
 @mypyc_attr(acyclic=True)
-class DeltaVelocityHistory:
+class DeltaVelocityHistory(Record):
     """The last 0.6 s of integrated specific force."""
 
     def __init__(self, points: tuple[HistoryPoint, ...], newest: HistoryPoint) -> None:
@@ -43,7 +44,7 @@ class DeltaVelocityHistory:
 
 
 @mypyc_attr(acyclic=True)
-class Lookback:
+class Lookback(Record):
     """The motion between an instant and now."""
 
     def __init__(self, delta_velocity: Vec3, age_s: float, specific_force: Vec3) -> None:

@@ -18,6 +18,7 @@ from mypy_extensions import mypyc_attr
 
 from attest_mav.filters.velocity_aided.nav_state import NavigationState
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
+from attest_mav.record import Record
 from attest_mav.types import Mat3, VelocityOrigin
 
 MEAN_INTERVAL_S: Final = 0.1
@@ -27,7 +28,7 @@ USUAL_INTERVAL_S: Final = 0.02
 
 
 @mypyc_attr(acyclic=True)
-class LowPassDelay:
+class LowPassDelay(Record):
     """The group delay of the autopilot's low-pass, s, and its sigma."""
 
     def __init__(self, delay_s: float, sigma_s: float) -> None:

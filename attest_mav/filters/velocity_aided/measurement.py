@@ -12,11 +12,12 @@ from mypy_extensions import mypyc_attr
 from attest_mav.algebra import add, dot, mat_vec, scale
 from attest_mav.filters.velocity_aided.covariance import Covariance
 from attest_mav.matrices import mat_t_vec, minus_outer
+from attest_mav.record import Record
 from attest_mav.types import Vec3
 
 
 @mypyc_attr(acyclic=True)
-class Measurement:
+class Measurement(Record):
     """One scalar measurement, linear in the error: residual = t.dt + v.dv + b.db + m.dm + d.dd + noise.
 
     There are no parts for the scale error s and the accelerometer bias a. Of today's residuals only those of the
@@ -48,7 +49,7 @@ class Measurement:
 
 
 @mypyc_attr(acyclic=True)
-class CrossCovariance:
+class CrossCovariance(Record):
     """P h of one measurement: the covariance of each error vector with the predicted measurement."""
 
     def __init__(self, t: Vec3, v: Vec3, b: Vec3, s: Vec3, a: Vec3, m: Vec3, d: Vec3, state_variance: float) -> None:

@@ -28,6 +28,7 @@ from attest_mav.filters.velocity_aided.measurement import (
     updated,
 )
 from attest_mav.matrices import diagonal
+from attest_mav.record import Record
 from attest_mav.types import Mat3, Quat, Vec3
 
 LONGEST_LAG_S: Final = 0.4
@@ -37,7 +38,7 @@ LONGEST_LEAD_S: Final = 0.15
 
 
 @mypyc_attr(acyclic=True)
-class NavigationState:
+class NavigationState(Record):
     """The estimate at the time of an inertial sample."""
 
     def __init__(

@@ -16,6 +16,7 @@ from attest_mav.filters.velocity_aided.nav_state import NavigationState, cross_c
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.prediction import ImuMemory
 from attest_mav.innovation import Innovation
+from attest_mav.record import Record
 
 
 class AidingMode(IntEnum):
@@ -36,7 +37,7 @@ class AidingMode(IntEnum):
 
 
 @mypyc_attr(acyclic=True)
-class Navigation:
+class Navigation(Record):
     """The estimate with the memory of prediction and of each aid."""
 
     def __init__(

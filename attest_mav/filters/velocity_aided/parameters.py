@@ -9,11 +9,12 @@ from dataclasses import dataclass
 from math import radians
 from typing import Final
 
+from attest_mav.record import Record
 from attest_mav.types import G_MPS2
 
 
 @dataclass(frozen=True)
-class FlightParameters:
+class FlightParameters(Record):
     """Properties of the vehicle, process noise, measurement noise and gates, and the start, in this order."""
 
     low_pass_hz: float = 20.0

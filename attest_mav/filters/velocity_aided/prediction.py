@@ -25,6 +25,7 @@ from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.reading import Reading
 from attest_mav.low_pass import aliased_share
 from attest_mav.matrices import add_diagonal, mat_add, mat_scale, rotated_diagonal
+from attest_mav.record import Record
 from attest_mav.types import Mat3, Vec3
 
 OTHER_AXES: Final = 0.6
@@ -44,7 +45,7 @@ MAX_STEP_RATIO: Final = 1.5
 
 
 @mypyc_attr(acyclic=True)
-class ImuMemory:
+class ImuMemory(Record):
     """The memory of dead reckoning between two samples."""
 
     def __init__(
@@ -173,7 +174,7 @@ def _remember(
 
 
 @mypyc_attr(acyclic=True)
-class ThreePoint:
+class ThreePoint(Record):
     """Differences of the last three readings."""
 
     def __init__(

@@ -9,12 +9,13 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.plausible import is_field, is_force
+from attest_mav.record import Record
 from attest_mav.samples import ImuSample
 from attest_mav.types import Vec3
 
 
 @mypyc_attr(acyclic=True)
-class Reading:
+class Reading(Record):
     """Gyro and accelerometer of one sample."""
 
     def __init__(self, gyro: Vec3, accel: Vec3, saturated: bool) -> None:

@@ -12,6 +12,8 @@ from typing import Final
 
 from mypy_extensions import i64, mypyc_attr
 
+from attest_mav.record import Record
+
 MAGIC_V1: Final = 0xFE
 MAGIC_V2: Final = 0xFD
 HEADER_V1: Final = 6
@@ -26,7 +28,7 @@ INCOMPLETE: Final = -1
 
 
 @mypyc_attr(acyclic=True)  # as Sample
-class Frame:
+class Frame(Record):
     """One intact frame.
 
     The constructor has an argument for each field, positional, since the walker makes one for every wanted frame.

@@ -18,6 +18,7 @@ from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.innovation import Aid, Innovation
 from attest_mav.matrices import transpose
 from attest_mav.plausible import MAX_SPEED
+from attest_mav.record import Record
 from attest_mav.types import Vec3
 
 WIND_S: Final = 20.0
@@ -27,7 +28,7 @@ FLYING_SPEED: Final = 6.0
 
 
 @mypyc_attr(acyclic=True)
-class Wind:
+class Wind(Record):
     """The wind estimate."""
 
     def __init__(self, velocity: Vec3, averaged_s: float) -> None:

@@ -15,6 +15,7 @@ from attest_mav.filters.robust import inflation
 from attest_mav.filters.velocity_aided.measurement import Measurement
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, cross_covariance_of, fuse
 from attest_mav.innovation import Aid, Fusion, Innovation
+from attest_mav.record import Record
 
 SPACING_S: Final = 0.1
 """Time between two updates of a fallback aid, s."""
@@ -23,7 +24,7 @@ KNEE: Final = 2.0
 
 
 @mypyc_attr(acyclic=True)
-class Fallback:
+class Fallback(Record):
     """The state of whichever fallback aid is at work."""
 
     def __init__(self, since_update_s: float, innovation: Innovation | None) -> None:

@@ -20,12 +20,13 @@ from attest_mav.filters.velocity_aided.nav_state import (
 )
 from attest_mav.filters.velocity_aided.reading import field_of
 from attest_mav.matrices import mat_t_vec
+from attest_mav.record import Record
 from attest_mav.samples import ImuSample
 from attest_mav.types import Mat3, Vec3
 
 
 @mypyc_attr(acyclic=True)
-class LevelledField:
+class LevelledField(Record):
     """One reading, turned into NED by the attitude at its time and freed of hard iron."""
 
     def __init__(self, measurement: Measurement, direction: Vec3, strength: float, rate: float) -> None:
@@ -63,7 +64,7 @@ def _attitude_then(nav: NavigationState, rate: Vec3) -> Mat3:
 
 
 @mypyc_attr(acyclic=True)
-class FieldResidual:
+class FieldResidual(Record):
     """A reading's direction against a reference, in NED."""
 
     def __init__(self, direction: Vec3, residual: Vec3, covariance: Mat3) -> None:

@@ -27,6 +27,7 @@ from attest_mav.filters.velocity_aided.nav_state import (
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.innovation import Aid, Fusion, Innovation
 from attest_mav.plausible import is_velocity
+from attest_mav.record import Record
 from attest_mav.samples import VelocitySample
 from attest_mav.types import Vec3
 
@@ -43,7 +44,7 @@ NIS_SHARE: Final = 0.1
 
 
 @mypyc_attr(acyclic=True)
-class GnssVelocity:
+class GnssVelocity(Record):
     """The state of velocity fusion."""
 
     def __init__(

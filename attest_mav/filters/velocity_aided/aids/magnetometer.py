@@ -21,6 +21,7 @@ from attest_mav.filters.velocity_aided.measurement import CrossCovariance
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, cross_covariance_of, fuse
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.innovation import Aid, Fusion, Innovation
+from attest_mav.record import Record
 from attest_mav.samples import ImuSample
 from attest_mav.types import Vec3
 
@@ -43,7 +44,7 @@ LAG_ERROR_S: Final = 0.03
 
 
 @mypyc_attr(acyclic=True)
-class UsualField:
+class UsualField(Record):
     """The field as it usually is."""
 
     def __init__(self, strength: float, inclination_sine: float) -> None:
@@ -54,7 +55,7 @@ class UsualField:
 
 
 @mypyc_attr(acyclic=True)
-class Magnetometer:
+class Magnetometer(Record):
     """The state of magnetometer fusion."""
 
     def __init__(

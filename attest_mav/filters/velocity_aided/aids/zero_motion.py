@@ -17,6 +17,7 @@ from attest_mav.filters.velocity_aided.nav_state import NavigationState, cross_c
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.reading import Reading
 from attest_mav.innovation import Aid, Fusion, Innovation
+from attest_mav.record import Record
 from attest_mav.types import Vec3
 
 MEAN_S: Final = 0.3
@@ -39,7 +40,7 @@ VELOCITY_SIGMA: Final = 0.05
 
 
 @mypyc_attr(acyclic=True)
-class Stationary:
+class Stationary(Record):
     """The state of the stationary detector, and of the zero updates."""
 
     def __init__(

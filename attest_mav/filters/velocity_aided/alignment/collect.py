@@ -22,6 +22,7 @@ from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.reading import Reading, field_of
 from attest_mav.low_pass import aliased_share
 from attest_mav.plausible import is_velocity
+from attest_mav.record import Record
 from attest_mav.samples import ImuSample, VelocitySample
 from attest_mav.types import Quat, Vec3
 
@@ -32,7 +33,7 @@ MAX_FIXES: Final = 32
 
 
 @mypyc_attr(acyclic=True)
-class AlignmentFix:
+class AlignmentFix(Record):
     """A velocity fix during alignment."""
 
     def __init__(
@@ -59,7 +60,7 @@ class AlignmentFix:
 
 
 @mypyc_attr(acyclic=True)
-class RotationSinceStart:
+class RotationSinceStart(Record):
     """The integrated gyro."""
 
     def __init__(self, q_start_body: Quat, gyro: Vec3, gyro_change: Vec3, unseen_variance: float) -> None:
@@ -74,7 +75,7 @@ class RotationSinceStart:
 
 
 @mypyc_attr(acyclic=True)
-class ForceSinceStart:
+class ForceSinceStart(Record):
     """The accelerometer's last reading, and how far its samples can be trusted."""
 
     def __init__(self, force: Vec3, accel: Vec3, accel_change: Vec3, unseen_variance: float) -> None:
@@ -90,7 +91,7 @@ class ForceSinceStart:
 
 
 @mypyc_attr(acyclic=True)
-class FieldSum:
+class FieldSum(Record):
     """The magnetometer's readings."""
 
     def __init__(self, last_reading: Vec3 | None, total: Vec3, count: int) -> None:
@@ -103,7 +104,7 @@ class FieldSum:
 
 
 @mypyc_attr(acyclic=True)
-class StillPeriod:
+class StillPeriod(Record):
     """The time without motion up to now."""
 
     def __init__(self, delta_velocity: Vec3, duration_s: float) -> None:
@@ -114,7 +115,7 @@ class StillPeriod:
 
 
 @mypyc_attr(acyclic=True)
-class Alignment:
+class Alignment(Record):
     """Everything collected so far."""
 
     def __init__(

@@ -18,6 +18,7 @@ from attest_mav.filters.velocity_aided.alignment.collect import Alignment, Align
 from attest_mav.filters.velocity_aided.alignment.wahba import LEAST_ANGLE, AttitudeFit, VectorPair, solve_wahba, triad
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.matrices import add_diagonal
+from attest_mav.record import Record
 from attest_mav.types import Mat3, Quat, Vec3
 
 MIN_BASE_S: Final = 0.45
@@ -58,7 +59,7 @@ class AlignmentMethod(IntEnum):
 
 
 @mypyc_attr(acyclic=True)
-class InitialState:
+class InitialState(Record):
     """Where navigation begins."""
 
     def __init__(

@@ -25,6 +25,7 @@ from attest_mav.algebra import (
     unit,
 )
 from attest_mav.matrices import diagonal, inverse, mat_add, mat_scale, minus_outer
+from attest_mav.record import Record
 from attest_mav.types import Mat3, Quat, Vec3
 
 STEPS: Final = 5
@@ -34,7 +35,7 @@ LEAST_ANGLE: Final = 0.08
 
 
 @mypyc_attr(acyclic=True)
-class VectorPair:
+class VectorPair(Record):
     """The same direction seen from the body and in NED."""
 
     def __init__(self, body: Vec3, world: Vec3, variance: float) -> None:
@@ -47,7 +48,7 @@ class VectorPair:
 
 
 @mypyc_attr(acyclic=True)
-class AttitudeFit:
+class AttitudeFit(Record):
     """The solution of Wahba's problem."""
 
     def __init__(self, q_nb: Quat, covariance: Mat3) -> None:
