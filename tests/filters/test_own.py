@@ -1,7 +1,11 @@
 """Filters of one's own, by the name of their class."""
 
+from dataclasses import replace
+from math import nan
+
 import pytest
 
+from attest_mav import ArgumentError, FlightParameters, GradientDescent, Leveling, RobustAdaptive
 from attest_mav.config.records import parse_config
 from attest_mav.errors import UsageError
 from attest_mav.filters.own import own_filter, search_here
@@ -88,3 +92,19 @@ def test_the_current_folder_comes_last(tmp_path, monkeypatch):
 def test_a_filter_of_that_name_that_does_not_exist_lists_those_that_do():
     with pytest.raises(UsageError, match=r"unknown filter .x.; known filters: gradient-descent, .*, and MODULE:CLASS"):
         default_filter("x")
+
+
+@pytest.mark.parametrize(
+    ("made", "words"),
+    [
+        (lambda: GradientDescent(beta=-1.0), "GradientDescent: beta = -1.0; expected a number above 0"),
+        (lambda: GradientDescent(min_accel_g=2.0), "max_accel_g = 1.5; expected more than min_accel_g, 2.0"),
+        (lambda: RobustAdaptive(r_accel=nan), "RobustAdaptive: r_accel = nan; expected a number above 0"),
+        (lambda: Leveling(spacing_s=-0.1), "Leveling: spacing_s = -0.1; expected 0 or more"),
+        (lambda: FlightParameters(fix_delay_s=nan), "FlightParameters: fix_delay_s = nan; expected 0 or more"),
+        (lambda: replace(FlightParameters(), velocity_gate=0.0), "velocity_gate = 0.0; expected a number above 0"),
+    ],
+)
+def test_a_parameter_that_makes_no_sense_is_refused_where_the_filter_is_made(made, words):
+    with pytest.raises(ArgumentError, match=words):
+        made()

@@ -14,11 +14,13 @@ from math import isnan, sqrt
 from typing import cast
 
 from attest_mav.algebra import dot, down_in_body, norm, q_exp, q_mul, q_unit, scale, sub
+from attest_mav.errors import ArgumentError
 from attest_mav.filters.base import MAX_CORRECTION_DT_S, AttitudeFilter, FilterInputs, FilterState, Start
 from attest_mav.filters.gradient_descent.gradients import descended, field_misfit, full_gradient, gravity_gradient
 from attest_mav.filters.gradient_descent.heading_step import heading_corrected, heading_error
 from attest_mav.filters.gradient_descent.options import advanced_memory, initial_memory, prepared_sample
 from attest_mav.filters.gradient_descent.state import GradientDescentState, OptionState
+from attest_mav.filters.parameter_check import check_parameters
 from attest_mav.plausible import is_field, is_rate
 from attest_mav.record import Record
 from attest_mav.samples import ImuSample
@@ -71,6 +73,12 @@ class GradientDescent(AttitudeFilter):
     the accelerometer. 0 is off."""
     field_gate: bool = False
     """Whether the magnetometer is used only while its strength and inclination are the usual ones."""
+
+    def __post_init__(self) -> None:
+        """Refuse parameters that make no sense."""
+        check_parameters(self, positive=("beta", "alpha"))
+        if not self.min_accel_g < self.max_accel_g:
+            raise ArgumentError(f"max_accel_g = {self.max_accel_g}; expected more than min_accel_g, {self.min_accel_g}")
 
     @property
     def name(self) -> str:

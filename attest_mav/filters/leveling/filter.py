@@ -43,6 +43,7 @@ from attest_mav.filters.leveling.north import (
 )
 from attest_mav.filters.leveling.state import LengthFusion, LevelingState, VelocityFusion, VelocityModel, unchanged
 from attest_mav.filters.leveling.update import constrain_length, fuse_speed, hold_velocity, lateral_velocity
+from attest_mav.filters.parameter_check import check_parameters
 from attest_mav.innovation import Fusion
 from attest_mav.matrices import axes_turn, diagonal, largest_variance
 from attest_mav.plausible import MAX_SPEED, is_force, is_heading, is_rate
@@ -59,6 +60,20 @@ SATURATION_NOISE: Final = 10.0
 """The process noise of a step with a saturated sensor is this many times the usual."""
 BLIND_NOISE: Final = 1.0
 """(m/s)^2/s: the noise of the velocity while the accelerometer cannot be read."""
+
+
+_POSITIVE: Final = (
+    "r_speed",
+    "r_sideslip",
+    "r_stationary",
+    "r_unaided",
+    "r_length_start",
+    "r_length",
+    "heading_time_s",
+    "r_heading",
+    "gravity",
+)
+"""Parameters that are not zero either."""
 
 
 @dataclass(frozen=True)
@@ -98,6 +113,10 @@ class Leveling(AttitudeFilter):
     """rad^2. Variance of one magnetic heading."""
     gravity: float = G_MPS2
     """m/s^2. Local gravity."""
+
+    def __post_init__(self) -> None:
+        """Refuse parameters that make no sense."""
+        check_parameters(self, positive=_POSITIVE)
 
     @property
     def name(self) -> str:

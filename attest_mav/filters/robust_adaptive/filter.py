@@ -15,6 +15,7 @@ from typing import Final, cast
 
 from attest_mav.algebra import norm, q_exp, q_mul, q_norm, q_unit, scale, sub
 from attest_mav.filters.base import MAX_CORRECTION_DT_S, AttitudeFilter, FilterInputs, FilterState, Start
+from attest_mav.filters.parameter_check import check_parameters
 from attest_mav.filters.robust_adaptive.model import (
     accel_innovation,
     fused,
@@ -50,6 +51,20 @@ MAX_VARIANCE: Final = 1.0
 """No component of a unit quaternion errs by more than this: the adaptive factor inflates no further."""
 SATURATION_NOISE: Final = 10.0
 """The process noise of a step with a saturated sensor is this many times the usual."""
+
+
+_POSITIVE: Final = (
+    "c",
+    "c_reject",
+    "reacquire_s",
+    "average_s",
+    "max_disagreement",
+    "min_alpha",
+    "r_accel",
+    "r_heading",
+    "p0",
+)
+"""Parameters that are not zero either."""
 
 
 @dataclass(frozen=True)
@@ -88,6 +103,10 @@ class RobustAdaptive(AttitudeFilter):
     """1. Variance of each component at the start."""
     max_accel_error_g: float = 0.3
     """g. The accelerometer is used while its length is this near to 1 g."""
+
+    def __post_init__(self) -> None:
+        """Refuse parameters that make no sense."""
+        check_parameters(self, positive=_POSITIVE)
 
     @property
     def name(self) -> str:

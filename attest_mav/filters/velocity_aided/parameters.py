@@ -9,8 +9,23 @@ from dataclasses import dataclass
 from math import radians
 from typing import Final
 
+from attest_mav.filters.parameter_check import check_parameters
 from attest_mav.record import Record
 from attest_mav.types import G_MPS2
+
+_POSITIVE: Final = (
+    "velocity_sigma",
+    "velocity_gate",
+    "mag_sigma",
+    "mag_knee",
+    "mag_gate",
+    "aliasing_hold_s",
+    "disturbance_hold_s",
+    "align_tilt",
+    "align_heading",
+    "gravity",
+)
+"""Parameters that are not zero either."""
 
 
 @dataclass(frozen=True)
@@ -126,6 +141,10 @@ class FlightParameters(Record):
     """rad. 1-sigma of the tilt below which the attitude is called valid."""
     gravity: float = G_MPS2
     """m/s^2. Local gravity."""
+
+    def __post_init__(self) -> None:
+        """Refuse parameters that make no sense."""
+        check_parameters(self, positive=_POSITIVE)
 
 
 BARE_SENSOR: Final = FlightParameters(

@@ -314,9 +314,8 @@ def test_a_long_gap_is_taken_in_parts():
     assert np.array(once.level.p_vd) == pytest.approx(np.array(often.level.p_vd), rel=1e-9)
 
 
-@pytest.mark.parametrize("variance", [nan, -1.0])
-def test_a_broken_covariance_asks_for_a_new_start(variance):
-    assert isnan(q_norm(run(Leveling(p0_down=variance), [(reading(), STANDING)]).q_nb))
+def test_a_broken_covariance_asks_for_a_new_start():
+    assert isnan(q_norm(run(Leveling(p0_down=inf), [(reading(), STANDING)]).q_nb))
 
 
 # --- properties ---------------------------------------------------------------------------------------------------

@@ -312,9 +312,8 @@ def test_a_gap_turns_exactly_and_widens_with_its_length():
     assert once.heading_sigma == pytest.approx(often.heading_sigma, rel=1e-3)
 
 
-@pytest.mark.parametrize("variance", [nan, -1e-2, inf])
-def test_a_broken_covariance_asks_for_a_new_start(variance):
-    assert isnan(q_norm(run(RobustAdaptive(p0=variance), [reading()]).q_nb))
+def test_a_broken_covariance_asks_for_a_new_start():
+    assert isnan(q_norm(run(RobustAdaptive(p0=inf), [reading()]).q_nb))
 
 
 # --- properties ---------------------------------------------------------------------------------------------------
