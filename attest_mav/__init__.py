@@ -1,8 +1,8 @@
 """An independent attitude for any MAVLink vehicle, and a verdict on the autopilot's own.
 
 For programs: ``run`` gives the attitudes of a filter over numpy arrays, ``LiveAttitude`` those of one reading after the
-other, ``replay`` the report on a recorded flight. docs/library.md shows them; the names below are stable, and change
-only with an entry in CHANGELOG.md.
+other, ``replay_log`` the report on a recorded flight. docs/library.md shows them; the names below are stable, and
+change only with an entry in CHANGELOG.md.
 
 ``attest_mav.types`` fixes units, frames and time for the whole package.
 """
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from attest_mav.filters.velocity_aided.parameters import BARE_SENSOR, FlightParameters
     from attest_mav.innovation import Aid, Fusion, Innovation
     from attest_mav.library.live import LiveAttitude
-    from attest_mav.library.logs import read_log, replay
+    from attest_mav.library.logs import read_log, replay_log
     from attest_mav.library.readings import Readings
     from attest_mav.library.running import run, run_readings
     from attest_mav.library.solution import Innovations, Solution
@@ -40,7 +40,7 @@ _MODULES: Final = {
     "filters.velocity_aided.parameters": ("BARE_SENSOR", "FlightParameters"),
     "innovation": ("Aid", "Fusion", "Innovation"),
     "library.live": ("LiveAttitude",),
-    "library.logs": ("read_log", "replay"),
+    "library.logs": ("read_log", "replay_log"),
     "library.readings": ("Readings",),
     "library.running": ("run", "run_readings"),
     "library.solution": ("Innovations", "Solution"),
@@ -81,7 +81,7 @@ __all__ = [
     "filter_names",
     "read_log",
     "read_table",
-    "replay",
+    "replay_log",
     "run",
     "run_readings",
     "write_table",

@@ -63,7 +63,7 @@ def read_log(path: str | Path, imu: str | None = None, reference: str | None = N
     return collector.flight(field, vehicle.settings)
 
 
-def replay(
+def replay_log(
     path: str | Path, filters: Sequence[AttitudeFilter] = (), skip_s: float = 30.0, imu: str | None = None
 ) -> dict[str, Any]:
     """The report on a log, the object that ``attest-mav replay --json`` prints.

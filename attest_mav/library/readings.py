@@ -99,7 +99,7 @@ def _turned(rows: Array, turn: Callable[[Vec3], Vec3]) -> Array:
     """Each row turned by an exchange of axes with signs, whose effect on the axes shows it; NaN stays in its place."""
     images = np.array([turn(axis) for axis in _AXES])
     sources = np.abs(images).argmax(axis=0)
-    found: Array = rows[:, sources] * images[sources, [0, 1, 2]]
+    found: Array = np.ascontiguousarray(rows[:, sources] * images[sources, [0, 1, 2]])
     return found
 
 

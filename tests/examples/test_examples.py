@@ -72,3 +72,51 @@ def test_the_specific_force_of_the_arrays_is_that_of_a_coordinated_turn():
     # In a level turn the horizontal acceleration is g tan(bank), and the specific force g / cos(bank).
     assert (acceleration[0] ** 2 + acceleration[1] ** 2) ** 0.5 == pytest.approx(9.80665 * 0.8391, rel=1e-3)
     assert -flight.accel[-1, 2] == pytest.approx(9.80665 / cos(40.0 * pi / 180.0))
+
+
+def test_the_readme_and_the_page_of_the_library_show_the_example_of_two_filters():
+    program = (EXAMPLES / "two_filters.py").read_text(encoding="utf-8").partition("import numpy")[2]
+    for page in ("README.md", "docs/library.md"):
+        assert program in (REPOSITORY / page).read_text(encoding="utf-8")
+
+
+def rms_of(lines, ending="degrees"):
+    """The figures of lines like "name ... rms 1.23 degrees", by their first word."""
+    return {line.split()[0]: float(re.search(r"rms +([\d.]+) " + ending, line)[1]) for line in lines}
+
+
+def test_hand_held_holds_the_vertical_beside_the_peers():
+    errors = rms_of(run(EXAMPLES / "hand_held.py").splitlines())
+    assert {"gradient-descent", "robust-adaptive", "velocity-aided"} <= set(errors)
+    assert errors["velocity-aided"] < 1.5
+    assert errors["gradient-descent"] < 1.5
+    for peer in {"VQF", "imufusion"} & set(errors):
+        assert errors[peer] < 4.0  # turned into the same axes, else it would be 90 degrees and more
+
+
+def test_a_flight_as_arrays_tells_error_and_sigma(cuts, tmp_path):
+    picture = tmp_path / "flight.png"
+    lines = run(EXAMPLES / "flight_to_arrays.py", str(cuts / "plane_circles_turn.tlog"), str(picture)).splitlines()
+    assert lines[0] == "RAW_IMU: 1000 readings; reference SIM_STATE"
+    assert float(re.search(r"rms ([\d.]+)", lines[2])[1]) < 1.0
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_tuning_shows_a_best_value_between_the_ends(cuts):
+    errors = [
+        float(re.search(r"rms +([\d.]+)", line)[1])
+        for line in run(EXAMPLES / "tuning.py", str(cuts / "plane_circles_turn.tlog")).splitlines()
+    ]
+    assert min(errors) < min(errors[0], errors[-1])
+
+
+def test_a_live_sensor_is_followed_and_torn_lines_are_counted(monkeypatch, capsys):
+    module = runpy.run_path(str(EXAMPLES / "live_serial.py"))
+    clock = iter(0.02 * k for k in range(1, 2000))
+    monkeypatch.setattr("time.monotonic", lambda: next(clock))
+    lines = ["0, 0, 0, 0, 0, 9.8, 0.2, 0, -0.4\n"] * 500 + ["0 0 0 0", "x\n"]
+    assert module["follow"](lines) == 2
+    last = capsys.readouterr().out.splitlines()[-1]
+    roll, pitch, yaw = (float(number) for number in re.findall(r"-?\d+\.\d", last)[:3])
+    assert (abs(roll), abs(pitch)) == pytest.approx((0.0, 0.0), abs=0.2)
+    assert yaw == pytest.approx(90.0, abs=1.0)  # the nose to the north, counted from the east
