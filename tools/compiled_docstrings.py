@@ -126,11 +126,19 @@ def signature(name, arguments, bound=False):
     plain = ast.parse(f"def f({ast.unparse(arguments)}): pass").body[0].args
     for one in [*plain.posonlyargs, *plain.args, *plain.kwonlyargs]:
         one.annotation = None
+    plain.defaults = [readable(one) for one in plain.defaults]
+    plain.kw_defaults = [None if one is None else readable(one) for one in plain.kw_defaults]
     listed = ast.unparse(plain)
     first, comma, rest = listed.partition(", ")
     if first != "self":
         return f"{name}({listed})"
     return f"{name}({rest})" if bound else f"{name}($self{comma}{rest})"
+
+
+def readable(default):
+    """The default, or ... for one that ``inspect`` refuses: it knows constants, and names whose value is one."""
+    named = isinstance(default, ast.Name) and default.id not in {"nan", "inf"}
+    return ast.Constant(...) if named or isinstance(default, ast.Call) else default
 
 
 def c_string(text):

@@ -12,21 +12,21 @@ from attest_mav.innovation import Innovation
 from attest_mav.samples import VelocitySample
 from attest_mav.types import Vec3
 
-Rows = list[list[float]]
-"""Three floats each."""
+Flat = list[float]
+"""Three floats a row, one after the other: lists of rows would take twice as long."""
 
 STATE_WIDTH: Final = 10
 """Quaternion (4), tilt and heading sigma, gyro bias (3), and 1 where the filter is aligned, else 0."""
 ELEMENTS: Final = 3
 """Scalar measurements in one row of innovations; the rest of the row is NaN."""
-INNOVATION_WIDTH: Final = 3 + 2 * ELEMENTS
-"""Number of the reading, aid, use, residuals, variances."""
+INNOVATION_WIDTH: Final = 2 * ELEMENTS
+"""Residuals and variances."""
 
 
 class ReadingRows:
-    """The readings of a stretch: times in ns, one row of three floats for each; mag None without a magnetometer."""
+    """The readings of a stretch: times in ns, and three floats for each; mag None without a magnetometer."""
 
-    def __init__(self, t_ns: list[int], gyro: Rows, accel: Rows, mag: Rows | None) -> None:
+    def __init__(self, t_ns: list[int], gyro: Flat, accel: Flat, mag: Flat | None) -> None:
         self.t_ns: Final = t_ns
         self.gyro: Final = gyro
         self.accel: Final = accel
@@ -34,11 +34,19 @@ class ReadingRows:
 
 
 class SolutionRows:
-    """The columns that a filter leaves, flat: ``STATE_WIDTH`` and ``INNOVATION_WIDTH`` floats a row."""
+    """The columns that a filter leaves."""
 
     def __init__(self) -> None:
         self.states: Final[list[float]] = []
-        self.innovations: Final[list[float]] = []
+        """``STATE_WIDTH`` floats a reading."""
+        self.readings: Final[list[int]] = []
+        """Of each innovation, the number of the reading."""
+        self.aids: Final[list[int]] = []
+        """Of each innovation, its ``Aid``."""
+        self.fusions: Final[list[int]] = []
+        """Of each innovation, its ``Fusion``."""
+        self.values: Final[list[float]] = []
+        """Of each innovation, ``INNOVATION_WIDTH`` floats."""
 
 
 def run_rows(
@@ -56,14 +64,14 @@ def run_rows(
         while next_fix < len(fixes) and fixes[next_fix].t_ns <= t_ns:
             sequence.give_velocity(fixes[next_fix])
             next_fix += 1
-        mag = None if mags is None else _field(mags[k])
-        state = sequence.advance(t_ns, _vector(readings.gyro[k]), _vector(readings.accel[k]), mag)
+        mag = None if mags is None else _field(mags, k)
+        state = sequence.advance(t_ns, _vector(readings.gyro, k), _vector(readings.accel, k), mag)
         if state is None:
             found.states.extend((nan, nan, nan, nan, nan, nan, nan, nan, nan, 0.0))
             continue
         _add_state(found.states, state)
         for one in state.innovations:
-            _add_innovation(found.innovations, float(first + k), one)
+            _add_innovation(found, first + k, one)
     return found
 
 
@@ -86,13 +94,13 @@ def _add_state(column: list[float], state: FilterState) -> None:
     column.append(1.0 if aligned else 0.0)
 
 
-def _add_innovation(column: list[float], number: float, one: Innovation) -> None:
+def _add_innovation(found: SolutionRows, number: int, one: Innovation) -> None:
     """Append a record. Elements beyond the third are left out."""
-    column.append(number)
-    column.append(float(int(one.aid)))
-    column.append(float(int(one.fusion)))
-    _add_padded(column, one.residual)
-    _add_padded(column, one.variance)
+    found.readings.append(number)
+    found.aids.append(one.aid)
+    found.fusions.append(one.fusion)
+    _add_padded(found.values, one.residual)
+    _add_padded(found.values, one.variance)
 
 
 def _add_padded(column: list[float], values: tuple[float, ...]) -> None:
@@ -102,11 +110,11 @@ def _add_padded(column: list[float], values: tuple[float, ...]) -> None:
     column.append(values[2] if count > 2 else nan)
 
 
-def _vector(row: list[float]) -> Vec3:
-    return (row[0], row[1], row[2])
+def _vector(rows: Flat, k: int) -> Vec3:
+    return (rows[3 * k], rows[3 * k + 1], rows[3 * k + 2])
 
 
-def _field(row: list[float]) -> Vec3 | None:
+def _field(rows: Flat, k: int) -> Vec3 | None:
     """The field of a row; None where it is not finite or zero, as of a sensor that has no new reading."""
-    x, y, z = row[0], row[1], row[2]
+    x, y, z = rows[3 * k], rows[3 * k + 1], rows[3 * k + 2]
     return (x, y, z) if isfinite(x + y + z) and (x != 0.0 or y != 0.0 or z != 0.0) else None

@@ -6,10 +6,17 @@ import numpy as np
 import numpy.typing as npt
 
 from attest_mav.estimation.sequence import FilterSequence
-from attest_mav.estimation.sequence_rows import INNOVATION_WIDTH, STATE_WIDTH, ReadingRows, run_rows
+from attest_mav.estimation.sequence_rows import (
+    ELEMENTS,
+    INNOVATION_WIDTH,
+    STATE_WIDTH,
+    ReadingRows,
+    SolutionRows,
+    run_rows,
+)
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.library.readings import Array, Readings, nanoseconds
-from attest_mav.library.solution import Innovations, Solution, continuous, in_frames
+from attest_mav.library.solution import Innovations, Solution, continuous, in_frames, joined
 
 STRETCH: Final = 20_000
 """Readings that are held as Python's floats at a time: some 10 MB."""
@@ -43,7 +50,7 @@ def run_readings(attitude_filter: AttitudeFilter, readings: Readings) -> Solutio
     sequence = FilterSequence(attitude_filter, readings.field, in_place=readings.velocity is None)
     fixes = readings.fixes()
     states: list[Array] = []
-    innovations: list[Array] = []
+    innovations: list[Innovations] = []
     taken = 0
     for first in range(0, len(readings), STRETCH):
         rows = _stretch(readings, slice(first, first + STRETCH))
@@ -52,24 +59,30 @@ def run_readings(attitude_filter: AttitudeFilter, readings: Readings) -> Solutio
             until += 1
         found = run_rows(sequence, rows, fixes[taken:until], first)
         taken = until
-        states.append(_columns(found.states, STATE_WIDTH))
-        innovations.append(_columns(found.innovations, INNOVATION_WIDTH))
-    return _solution(readings, sequence, np.concatenate(states), np.concatenate(innovations))
+        states.append(_floats(found.states, STATE_WIDTH))
+        innovations.append(_innovations(found))
+    return _solution(readings, sequence, np.concatenate(states), joined(innovations))
 
 
 def _stretch(readings: Readings, rows: slice) -> ReadingRows:
-    mag = None if readings.mag is None else readings.mag[rows].tolist()
-    return ReadingRows(nanoseconds(readings.t[rows]), readings.gyro[rows].tolist(), readings.accel[rows].tolist(), mag)
+    mag = None if readings.mag is None else readings.mag[rows].ravel().tolist()
+    gyro, accel = readings.gyro[rows].ravel().tolist(), readings.accel[rows].ravel().tolist()
+    return ReadingRows(nanoseconds(readings.t[rows]), gyro, accel, mag)
 
 
-def _columns(flat: list[float], width: int) -> Array:
+def _floats(flat: list[float], width: int) -> Array:
     return np.fromiter(flat, np.float64, len(flat)).reshape(-1, width)
 
 
-def _solution(readings: Readings, sequence: FilterSequence, states: Array, rows: Array) -> Solution:
+def _innovations(found: SolutionRows) -> Innovations:
+    reading, aid, fusion = [np.fromiter(one, np.int64, len(one)) for one in (found.readings, found.aids, found.fusions)]
+    values = _floats(found.values, INNOVATION_WIDTH)
+    return Innovations(reading, aid, fusion, values[:, :ELEMENTS], values[:, ELEMENTS:])
+
+
+def _solution(readings: Readings, sequence: FilterSequence, states: Array, innovations: Innovations) -> Solution:
     frames = readings.frames
     biases = states[:, 6:9] * np.array(frames.body_vector((1.0, 1.0, 1.0)))
-    numbers = rows[:, :3].astype(np.int64)
     return Solution(
         t=readings.t,
         attitudes=continuous(in_frames(states[:, :4], frames)),
@@ -77,7 +90,7 @@ def _solution(readings: Readings, sequence: FilterSequence, states: Array, rows:
         heading_sigma=states[:, 5],
         gyro_biases=biases,
         aligned=states[:, 9] > 0.0,
-        innovations=Innovations(numbers[:, 0], numbers[:, 1], numbers[:, 2], rows[:, 3:6], rows[:, 6:9]),
+        innovations=innovations,
         north=sequence.north,
         frames=frames,
     )

@@ -1,6 +1,6 @@
 """The outcome of a filter over arrays."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Final
 
 import numpy as np
@@ -55,6 +55,12 @@ class Innovations:
         counts = np.isfinite(ratio).sum(axis=1)
         found: Array = np.where(counts > 0, np.nansum(ratio, axis=1) / np.maximum(counts, 1), np.nan)
         return found
+
+
+def joined(parts: list[Innovations]) -> Innovations:
+    """Those of successive stretches as one."""
+    columns = [[getattr(part, one.name) for part in parts] for one in fields(Innovations)]
+    return Innovations(*[np.concatenate(column) for column in columns])
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,15 +12,18 @@ import attest_mav
 from attest_mav import (
     BARE_SENSOR,
     Aid,
+    FilterState,
     FlightParameters,
     Fusion,
     GradientDescent,
     ImuSample,
     Innovation,
     Leveling,
+    LiveAttitude,
     RobustAdaptive,
     VelocityAided,
     VelocitySample,
+    run,
 )
 from attest_mav.estimate import Estimate
 from attest_mav.filters.base import FilterInputs, Start
@@ -120,3 +123,17 @@ def records():
             for kind in vars(import_module(module.name)).values():
                 if isinstance(kind, type) and issubclass(kind, Record) and kind.__module__ == module.name:
                     yield kind
+
+
+@pytest.mark.parametrize(
+    "one", [ImuSample, ImuSample.with_readings, VelocityAided, VelocityAided.step, run, LiveAttitude]
+)
+def test_help_tells_what_a_name_is_and_takes(one):
+    assert len(one.__doc__) > 20
+    assert len(signature(one).parameters) >= 1
+
+
+def test_fields_and_modules_are_documented():
+    assert import_module("attest_mav.samples").__doc__.startswith("The records of inertial sensors")
+    assert FilterState.aligned.__doc__.startswith("False while a filter")
+    assert list(signature(ImuSample).parameters)[-2:] == ["saturated", "quantum"]
