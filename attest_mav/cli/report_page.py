@@ -19,6 +19,7 @@ class ReportPage:
         """Write the page in UTF-8. Bytes of a name that are no text become question marks."""
         self.recorder.finish()
         folder = files("attest_mav.report")
-        style, script = [folder.joinpath(name).read_text(encoding="utf-8") for name in ("page.css", "page.js")]
-        page = page_of(report, self.recorder, Assets(style, script, version_text()))
+        names = ("palette.css", "page.css", "page.js")
+        palette, style, script = [folder.joinpath(name).read_text(encoding="utf-8") for name in names]
+        page = page_of(report, self.recorder, Assets(palette + style, script, version_text()))
         self._file.write(page.encode(errors="replace"))

@@ -14,7 +14,7 @@ from msgspec import Meta
 
 from attest_mav.config.changes import apply_changes
 from attest_mav.config.filters import FilterConfig
-from attest_mav.config.link_url import parse_link
+from attest_mav.config.link_url import LinkUrl, Scheme, parse_link
 from attest_mav.config.text import check_keys, check_no_nan, readable
 from attest_mav.errors import ConfigError, UsageError
 from attest_mav.mavlink.component.outputs import OUTPUT_NAMES
@@ -172,6 +172,15 @@ class LogConfig(_Record, frozen=True):
     """Period of the status line, s."""
 
 
+class WebConfig(_Record, frozen=True):
+    """The live page, and the documents for programs beside it."""
+
+    listen: str = ""
+    """HOST:PORT; empty: nothing is served."""
+    hosts: tuple[str, ...] = ()
+    """Names under which it may be asked for, besides addresses and localhost."""
+
+
 class Config(_Record, frozen=True):
     """The whole configuration: a table of the file for each field."""
 
@@ -185,6 +194,7 @@ class Config(_Record, frozen=True):
     estimate: EstimateConfig = EstimateConfig()
     verdict: VerdictConfig = VerdictConfig()
     state: StateConfig = StateConfig()
+    web: WebConfig = WebConfig()
     log: LogConfig = LogConfig()
 
     @property
@@ -208,9 +218,19 @@ def parse_config(text: str, name: str, changes: Sequence[str] = ()) -> Config:
         raise ConfigError(f"{name}: nested too deeply; expected tables with values in them") from None
     _check_links(config, name)
     _check_ids(config.output, name)
+    if config.web.listen:
+        web_address(config.web.listen, f"{name}: web.listen")
     if (config.raw_imu.accel_mps2 == 0.0) != (config.raw_imu.gyro_radps == 0.0):
         raise ConfigError(f"{name}: raw_imu: accel_mps2 and gyro_radps go together; give both or neither")
     return config
+
+
+def web_address(text: str, name: str) -> LinkUrl:
+    """The address HOST:PORT of the live page; ConfigError, which begins with ``name``, for anything else."""
+    try:
+        return parse_link(f"{Scheme.TCPIN}:{text}")
+    except UsageError:
+        raise ConfigError(f"{name}: expected HOST:PORT, such as 127.0.0.1:8484, got {text!r}") from None
 
 
 def _read(text: str, name: str, changes: Sequence[str]) -> Config:

@@ -40,6 +40,8 @@ class AttitudeCheck:
     def __init__(self, settings: VerdictSettings) -> None:
         self.judge: Final = Judge(settings)
         self.verdict: Verdict | None = None
+        self.attitude: AttitudeSample | None = None
+        """The newest attitude of the message that counts, as it was compared."""
         self._settings = settings
         self._sources: Final[dict[str, _Source]] = {}
         self._refused_ns = -1
@@ -55,6 +57,8 @@ class AttitudeCheck:
             return []
         source = self._sources.setdefault(sample.source, _Source(sample.form))
         source.rx_ns = sample.rx_ns
+        if self.verdict is None or self.verdict.source in {"", sample.source}:
+            self.attitude = sample
         return self._chosen(self.judge.judge(sample))
 
     def refuse(self, sample: AttitudeSample) -> list[Verdict]:

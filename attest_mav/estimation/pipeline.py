@@ -190,6 +190,11 @@ class Pipeline:
         return [stopped, self._check.undecided("no-estimate", now_ns)]
 
     @property
+    def autopilot_attitude(self) -> AttitudeSample | None:
+        """The newest attitude of the autopilot that was compared, in the frame of the inertial sensor."""
+        return self._check.attitude
+
+    @property
     def verdict(self) -> Verdict | None:
         """The newest verdict."""
         return self._check.verdict

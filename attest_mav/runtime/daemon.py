@@ -5,9 +5,9 @@ import os
 import socket
 import time
 from functools import partial
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-from attest_mav.config.records import Config
+from attest_mav.config.records import Config, web_address
 from attest_mav.mavlink.dialect import load_dialect
 from attest_mav.runtime.keys import read_keys
 from attest_mav.runtime.links.base import Link
@@ -21,6 +21,9 @@ from attest_mav.service.assembly import service_settings
 from attest_mav.service.field_lookup import FieldFinder
 from attest_mav.service.service import Service
 from attest_mav.service.snapshot import Snapshot, Traffic
+
+if TYPE_CHECKING:
+    from attest_mav.runtime.web.server import WebServer
 
 log = logging.getLogger("attest_mav.daemon")
 
@@ -42,6 +45,7 @@ class Daemon:
             restarted = partial(self.service.link_restarted, number)
             self.loop.add(ServedLink(link, partial(self._receive, number), restarted))
         self.loop.add(Timer(lambda: self.service.due_ns, self._poll))
+        self._web: Final = self._web_server(config, now_ns)
         self.loop.add(Reporter(self.service, self._notifier, self.snapshot, config.log.status_s, now_ns))
 
     def snapshot(self, now_ns: int) -> Snapshot:
@@ -62,6 +66,17 @@ class Daemon:
         keeper = StateKeeper(self.service.persistence, state_path(config.state.folder, os.environ), now_ns)
         self.loop.add(keeper)
         return keeper
+
+    def _web_server(self, config: Config, now_ns: int) -> "WebServer | None":
+        """The live page, None where it is off."""
+        if not config.web.listen:
+            return None
+        from attest_mav.runtime.web.server import WebServer  # noqa: PLC0415  (costs nothing while it is off)
+
+        url = web_address(config.web.listen, "web.listen")
+        server = WebServer(self.loop, url, config.web.hosts, self.snapshot, now_ns)
+        self.loop.add(server)
+        return server
 
     def _receive(self, number: int, data: bytes, now_ns: int) -> None:
         """Take bytes of a link; an estimate made of them leaves in the same turn."""
@@ -90,6 +105,8 @@ class Daemon:
         self._put_out(time.monotonic_ns())
         if self._keeper is not None:
             self._keeper.finish()
+        if self._web is not None:
+            self._web.close()
         for link in self.links:
             link.close()
         self.loop.close()
@@ -97,4 +114,4 @@ class Daemon:
 
 
 def _traffic(link: Link) -> Traffic:
-    return Traffic(link.is_up, link.epoch, link.received_bytes, link.sent_bytes, link.dropped_messages)
+    return Traffic(link.is_up, link.is_open, link.epoch, link.received_bytes, link.sent_bytes, link.dropped_messages)

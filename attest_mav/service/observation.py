@@ -4,6 +4,7 @@ from attest_mav.estimation.clock_offset import ClockOffset
 from attest_mav.estimation.lane import Lane
 from attest_mav.estimation.pipeline import Pipeline
 from attest_mav.estimation.vehicle import Vehicle
+from attest_mav.estimation.verdict import VerdictSettings
 from attest_mav.mavlink.component.discovery import VehicleDiscovery
 from attest_mav.mavlink.component.ports import Port
 from attest_mav.mavlink.component.streams import StreamManager
@@ -11,6 +12,7 @@ from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.service.link_input import LinkInput
 from attest_mav.service.signing_status import SigningSnapshot
 from attest_mav.service.snapshot import (
+    AutopilotAttitude,
     ClockSnapshot,
     LaneSnapshot,
     LinkSnapshot,
@@ -91,6 +93,20 @@ def lane_snapshots(pipeline: Pipeline | None) -> tuple[LaneSnapshot, ...]:
     if pipeline is None:
         return ()
     return tuple(_lane_snapshot(lane, pipeline) for lane in pipeline.lanes.values())
+
+
+def autopilot_attitude(pipeline: Pipeline | None) -> AutopilotAttitude | None:
+    """The autopilot's newest attitude, None before the first."""
+    sample = None if pipeline is None else pipeline.autopilot_attitude
+    return None if sample is None else AutopilotAttitude(sample.source, sample.q_nb, sample.rx_ns)
+
+
+def tilt_threshold(pipeline: Pipeline | None, settings: VerdictSettings) -> float | None:
+    """The threshold beside the estimate that is compared, rad; None without one."""
+    estimate = None if pipeline is None else pipeline.estimate
+    if estimate is None:
+        return None
+    return settings.proven_tilt if estimate.sigma_is_proven else settings.tilt
 
 
 def _lane_snapshot(lane: Lane, pipeline: Pipeline) -> LaneSnapshot:

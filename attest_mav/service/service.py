@@ -28,11 +28,13 @@ from attest_mav.service.field_lookup import FieldFinder, FieldLookup
 from attest_mav.service.kept_state import Persistence
 from attest_mav.service.link_input import LinkInput
 from attest_mav.service.observation import (
+    autopilot_attitude,
     clock_snapshot,
     lane_snapshots,
     link_snapshot,
     refusals,
     stream_snapshots,
+    tilt_threshold,
     vehicle_snapshot,
 )
 from attest_mav.service.publisher import Publisher
@@ -186,6 +188,9 @@ class Service:
             late_by_s=0.0 if self._pipeline is None else self._pipeline.freshness.late_by_s,
             lanes=lane_snapshots(self._pipeline),
             verdict=self._verdicts.standing,
+            spans=self._verdicts.spans,
+            tilt_threshold=tilt_threshold(self._pipeline, self._settings.pipeline.verdict),
+            autopilot=autopilot_attitude(self._pipeline),
             withheld="" if self.estimate is None else self._publisher.reason,
             self_report=self._vehicle.self_report.remarks(now_ns),
             frame_notes=tuple(self._frame_notes),

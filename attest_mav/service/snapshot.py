@@ -7,10 +7,10 @@ reader makes rates of its own from two snapshots, whatever other readers do.
 from dataclasses import dataclass
 
 from attest_mav.estimate import Estimate
-from attest_mav.estimation.events import Verdict
+from attest_mav.estimation.events import Agreement, Verdict
 from attest_mav.mavlink.component.own_parameters import ParameterChange
 from attest_mav.service.signing_status import SigningSnapshot
-from attest_mav.types import EarthField, VehicleKind, Version
+from attest_mav.types import EarthField, Quat, VehicleKind, Version
 from attest_mav.vehicle_settings import VehicleSettings
 
 
@@ -20,6 +20,8 @@ class Traffic:
 
     is_up: bool = False
     """Whether messages can be sent at all."""
+    is_open: bool = False
+    """Whether the device or socket is open: a link that listens is open before anyone speaks."""
     streams: int = 0
     """Byte streams begun: one more with every connection made again."""
     received_bytes: int = 0
@@ -186,6 +188,36 @@ class VerdictStanding:
 
 
 @dataclass(frozen=True)
+class AutopilotAttitude:
+    """The newest attitude of the autopilot that was compared."""
+
+    source: str
+    """The message."""
+    q_nb: Quat
+    """The attitude in the frame of the inertial sensor: without the trim, as far as that is known."""
+    rx_ns: int
+    """When it was received, ns of the host's clock."""
+
+
+@dataclass(frozen=True)
+class VerdictSpan:
+    """One interval of equal verdicts."""
+
+    agreement: Agreement
+    """The verdict."""
+    reason: str
+    """The reason given with most of its verdicts."""
+    begin_ns: int
+    """Its first verdict, ns of the host's clock."""
+    end_ns: int
+    """The first verdict of the next interval, or the newest one so far."""
+    peak_tilt: float | None
+    """Largest difference in tilt, rad; None where nothing was compared."""
+    peak_heading: float | None
+    """Largest difference in heading, rad; None where no heading was compared."""
+
+
+@dataclass(frozen=True)
 class NoteCounts:
     """Lines left for the log, by severity."""
 
@@ -231,6 +263,12 @@ class Snapshot:
     """Empty before the first inertial sample."""
     verdict: VerdictStanding | None
     """None before the first verdict."""
+    spans: tuple[VerdictSpan, ...]
+    """The last intervals of the verdict on this vehicle, oldest first; the last one goes on."""
+    tilt_threshold: float | None
+    """Difference in tilt from which the autopilot's attitude counts as wrong, rad; of heading, twice as much."""
+    autopilot: AutopilotAttitude | None
+    """None before the first attitude that could be compared."""
     withheld: str
     """Why the newest estimate is not sent as ATTITUDE_QUATERNION, "" where it is sent or there is none."""
     self_report: tuple[str, ...]

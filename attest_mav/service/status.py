@@ -66,7 +66,7 @@ def status_line(now: Snapshot, before: Snapshot) -> str:
     parts = [STATE_NAMES.get(now.state, "?"), _inertial_text(now, rates)]
     lane = now.published_lane
     if lane is None or lane.estimate is None:
-        parts += _obstacles(now)
+        parts += obstacles(now)
     else:
         parts.append(attitude_text(lane.estimate))
         parts += _filter_texts(now, lane, lane.estimate)
@@ -86,7 +86,7 @@ def _changed_by_others(now: Snapshot) -> list[str]:
     return held + [f"{change} on {link.name}" for link in now.links for change in link.changes]
 
 
-def _obstacles(now: Snapshot) -> list[str]:
+def obstacles(now: Snapshot) -> list[str]:
     """Why there is no attitude; nothing before there is a vehicle."""
     if now.inertial_stream is None:
         return []

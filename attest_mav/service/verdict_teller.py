@@ -8,7 +8,7 @@ from attest_mav.estimation.vehicle import Vehicle
 from attest_mav.estimation.verdict_intervals import IntervalChange
 from attest_mav.mavlink.component.companion import Companion
 from attest_mav.service.announcements import Announcements
-from attest_mav.service.snapshot import VerdictStanding
+from attest_mav.service.snapshot import VerdictSpan, VerdictStanding
 from attest_mav.service.verdict_history import VerdictHistory
 
 _VERDICT_CODES: Final = {Agreement.AGREE: 1.0, Agreement.DISAGREE: 0.0, Agreement.UNDECIDED: -1.0}
@@ -29,6 +29,11 @@ class VerdictTeller:
     def standing(self) -> VerdictStanding | None:
         """The newest verdict and how long it has stood, None before the first."""
         return self._history.standing
+
+    @property
+    def spans(self) -> tuple[VerdictSpan, ...]:
+        """The last intervals of the verdict."""
+        return self._history.spans
 
     @property
     def disagrees(self) -> bool:

@@ -75,6 +75,11 @@ class Link(ABC):
         """Whether messages can be sent at all."""
         return self.fd is not None
 
+    @property
+    def is_open(self) -> bool:
+        """Whether the device or socket is open: a link that listens is open before anyone speaks."""
+        return self.fd is not None
+
     @abstractmethod
     def receive(self, now_ns: int) -> bytes:
         """The bytes of at most one read, empty when none have arrived. Also opens a lost link again when it is due."""

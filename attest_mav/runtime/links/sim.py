@@ -33,6 +33,11 @@ class SimLink(Link):
         return True
 
     @property
+    def is_open(self) -> bool:
+        """Always."""
+        return True
+
+    @property
     def next_deadline_ns(self) -> int | None:
         """When the vehicle has something to send."""
         return self.began_ns + self.vehicle.next_deadline_ns

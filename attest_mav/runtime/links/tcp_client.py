@@ -39,6 +39,11 @@ class TcpClientLink(Link):
         return self.connected
 
     @property
+    def is_open(self) -> bool:
+        """See ``Link``. A connection that was not accepted yet is none."""
+        return self.connected
+
+    @property
     def wants_write(self) -> bool:
         """See ``Link``."""
         return self.socket is not None and (not self.connected or bool(self.out.data))
