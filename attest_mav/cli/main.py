@@ -17,6 +17,8 @@ COMMANDS: Final = {
     "evaluate": "Reproduce the papers' scenarios and check them against their bounds.",
     "sim": "The fake autopilot as a process of its own.",
     "play": "Send a recorded flight on a link, like a live vehicle.",
+    "status": "One look at a running daemon.",
+    "watch": "A running daemon in the terminal.",
     "config": "Check a configuration file, or show the effective one.",
 }
 """Each is the ``command`` of the module of the same name; the help is here so that listing them imports none."""

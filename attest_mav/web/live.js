@@ -1,9 +1,10 @@
 "use strict";
 // Draws the state of the daemon as it comes, four times a second. Whatever is old is marked, and never shown as live.
 (() => {
-  const SPAN_S = 600, OLD_S = 1.5, SILENT_MS = 3000, MAX_POINTS = 2400, LEFT = 40, BOTTOM = 18;
+  const LONGEST_S = 600, OLD_S = 1.5, SILENT_MS = 3000, MAX_POINTS = 2400, LEFT = 40, BOTTOM = 18;
   const points = [];
-  let now = null, before = null, heardMs = 0, colours = {};
+  const aids = new Map(); // the newest innovation seen of each aid: most steps of the filter have none
+  let now = null, before = null, heardMs = 0, spanS = 60, colours = {};
 
   const byId = (id) => document.getElementById(id);
   const fixed = (value, digits, sign = "") =>
@@ -96,14 +97,15 @@
   }
 
   // ---- charts over time ----
-  const placed = (t, width) => LEFT + (1 - (now.now_s - t) / SPAN_S) * (width - LEFT - 4);
+  const placed = (t, width) => LEFT + (1 - (now.now_s - t) / spanS) * (width - LEFT - 4);
   function drawTimes(pen, width, height) {
     pen.fillStyle = colours.soft;
     pen.textAlign = "center";
     pen.textBaseline = "top";
-    for (let minute = 0; minute <= 10; minute += width < 500 ? 5 : 2) {
-      const x = placed(now.now_s - 60 * minute, width);
-      pen.fillText(minute ? `−${minute} min` : "now", Math.min(x, width - 14), height - BOTTOM + 4);
+    const parts = width < 500 ? 2 : 6;
+    for (let i = 0; i <= parts; i++) {
+      const ago = (i * spanS) / parts, x = placed(now.now_s - ago, width);
+      pen.fillText(i ? `−${ago} s` : "now", Math.min(x, width - 14), height - BOTTOM + 4);
     }
   }
   function drawBand() {
@@ -142,11 +144,12 @@
     drawTimes(pen, width, height);
     pen.fillStyle = colours.sigma;
     pen.globalAlpha = 0.35;
-    for (const one of points) {
-      if (one[sigma] === null) continue;
-      const x = placed(one.t, width);
-      pen.fillRect(x, yOf(one[sigma]), Math.max(1.2, (width - LEFT) / MAX_POINTS + 0.5), floor - yOf(one[sigma]));
-    }
+    points.forEach((one, i) => {
+      const next = points[i + 1] || one;
+      if (one[sigma] === null || next.t - one.t > 2) return;
+      const x = Math.round(placed(one.t, width));
+      pen.fillRect(x, yOf(one[sigma]), Math.round(placed(next.t, width)) - x, floor - yOf(one[sigma]));
+    });
     pen.globalAlpha = 1;
     drawLine(pen, value, width, yOf);
     if (threshold !== null) {
@@ -204,17 +207,18 @@
     }));
     fill("lanes", ["sensor", "state", "rate", "rests on", "delay"], now.lanes.map((lane) => {
       const earlier = before && before.lanes.find((one) => one.source === lane.source);
-      const state = lane.fault ? [`set aside: ${lane.fault}`, "bad"] : lane.estimate ? "published" : "used beside it";
-      return [lane.source, state, `${fixed(perSecond(lane.samples, earlier?.samples), 0)} Hz`, lane.rests_on || "–",
+      const rate = perSecond(lane.samples, earlier?.samples), isSilent = rate === 0;
+      const state = lane.fault ? [`set aside: ${lane.fault}`, "bad text"] : isSilent ? ["no samples", "bad"] :
+        lane.estimate ? "published" : "used beside it";
+      return [lane.source, state, `${fixed(rate, 0)} Hz`, [lane.rests_on || "–", "text"],
         `${fixed(lane.delay_s * 1000, 0)} ms`];
     }));
-    const estimate = published(now)?.estimate;
-    fill("aids", ["aid", "use", "innovation", "NIS"], (estimate?.innovations || []).map((one) => [
-      one.aid.replaceAll("_", " "), [one.fusion.replaceAll("_", " "), one.fusion === "used" ? "" : "doubt"],
+    fill("aids", ["aid", "seen", "use", "innovation", "NIS"], [...aids.values()].map((one) => [
+      one.aid.replaceAll("_", " "), `${fixed(now.now_s - one.seen_s, 0)} s ago`, [one.fusion.replaceAll("_", " "), one.fusion === "used" ? "" : "doubt"],
       one.residual.map((value) => fixed(value, 3, "+")).join("  ") || "–", fixed(one.nis, 1)]));
     fill("messages", ["message", "rate", "asked for", "remark"], now.streams.map((stream) => [stream.name,
       [`${fixed(stream.achieved_hz, 1)} Hz`, stream.achieved_hz < 0.8 * stream.hz ? "doubt" : ""],
-      `${fixed(stream.hz, 0)} Hz`, stream.hindrance || (stream.answer === "accepted" ? "" : stream.answer)]));
+      `${fixed(stream.hz, 0)} Hz`, [stream.hindrance || (stream.answer === "accepted" ? "" : stream.answer), "text"]]));
     fill("links", ["link", "state", "received", "damaged", "lost", "attitudes"], now.links.map((link, i) => {
       const earlier = before?.links[i];
       return [link.name, link.traffic.is_open ? "open" : ["not open", "bad"],
@@ -225,7 +229,10 @@
 
   // ---- the state as it comes ----
   function take(state) {
-    if (before === null || state.now_s < (now?.now_s ?? 0)) points.length = 0; // another run of the daemon
+    if (before === null || state.now_s < (now?.now_s ?? 0)) {
+      points.length = 0; // another run of the daemon
+      aids.clear();
+    }
     if (before === null || state.now_s - before.now_s >= 2 || state.now_s < before.now_s) before = now ?? state;
     now = state;
     const estimate = published(now)?.estimate, verdict = now.verdict;
@@ -236,7 +243,10 @@
       tiltSigma: estimate?.tilt_sigma_deg ?? null, headingSigma: estimate?.heading_sigma_deg ?? null,
       agreement: verdict?.agreement,
     });
-    while (points.length > MAX_POINTS || now.now_s - points[0].t > SPAN_S) points.shift();
+    while (points.length > MAX_POINTS || now.now_s - points[0].t > LONGEST_S) points.shift();
+    const shownS = now.now_s - Math.min(points[0].t, now.spans[0]?.begin_s ?? now.now_s);
+    spanS = [60, 120, 300, LONGEST_S].find((one) => one >= shownS) || LONGEST_S;
+    for (const one of estimate?.innovations || []) aids.set(one.aid, { ...one, seen_s: now.now_s });
   }
   function showVerdict() {
     const verdict = now.verdict, words = { agree: "The autopilot's attitude agrees", disagree: "THE AUTOPILOT'S ATTITUDE IS WRONG",

@@ -70,7 +70,11 @@ class Chromium:
 
     def open(self, path):
         """Load a file, and wait until it is loaded."""
-        self.call("Page.navigate", url=path.as_uri())
+        self.visit(path.as_uri())
+
+    def visit(self, url):
+        """Load an address, and wait until it is loaded."""
+        self.call("Page.navigate", url=url)
         while self._take(self._next()) != "Page.loadEventFired":
             pass
 

@@ -1,0 +1,124 @@
+"""``status`` and ``watch``: a look at a daemon over HTTP, and what they say where there is none."""
+
+import http.server
+import json
+import threading
+
+import pytest
+from click.testing import CliRunner
+
+from attest_mav.cli import status, watch
+from attest_mav.config.records import parse_config
+from attest_mav.errors import LinkError, UsageError
+from attest_mav.mavlink.dialect import load_dialect
+from attest_mav.service.assembly import service_settings
+from attest_mav.service.service import Service
+from attest_mav.service.snapshot import Traffic
+from attest_mav.sim.autopilot import FakeAutopilot
+from attest_mav.sim.settings import SimSettings
+from attest_mav.types import EarthField
+from attest_mav.web.document import encoded
+
+
+@pytest.fixture(scope="module")
+def documents():
+    """The states of a daemon before a vehicle comes and ten seconds later."""
+    dialect = load_dialect()
+    vehicle = FakeAutopilot(SimSettings(scenario="still", fast_rate_hz=50.0), 1, dialect)
+    config = parse_config("[[link]]\nurl = 'udpin::0'\n", "test")
+    service = Service(service_settings(config), ["udpin::0"], dialect, lambda *_: (EarthField(0.2, -1.1), "x"), 0)
+    states = [encoded(service.snapshot(0, [Traffic(is_open=True)]))]
+    for now_ns in range(0, 10_000_000_000, 10_000_000):
+        service.receive(0, b"".join(vehicle.frames_until(now_ns)), now_ns)
+        service.poll(now_ns)
+        for frame in service.take_frames(0):
+            vehicle.handle(frame, now_ns)
+    return [*states, encoded(service.snapshot(now_ns, [Traffic(is_open=True)]))]
+
+
+class Answers(http.server.BaseHTTPRequestHandler):
+    """Gives the server's answers one after another, the last one for ever; None ends the connection."""
+
+    def do_GET(self):
+        answers = self.server.answers
+        body = answers.pop(0) if len(answers) > 1 else answers[0]
+        if body is None:
+            return
+        self.send_response(200)
+        self.end_headers()
+        self.wfile.write(body)
+
+    def log_message(self, *_):
+        pass
+
+
+@pytest.fixture
+def server(monkeypatch):
+    """Makes a server with these answers; its address."""
+    monkeypatch.setattr(watch, "PERIOD_S", 0.0)
+    servers = []
+
+    def make(*answers):
+        made = http.server.HTTPServer(("127.0.0.1", 0), Answers)
+        made.answers = list(answers)
+        threading.Thread(target=made.serve_forever, args=(0.01,), daemon=True).start()
+        servers.append(made)
+        return f"127.0.0.1:{made.server_port}"
+
+    yield make
+    for one in servers:
+        one.shutdown()
+        one.server_close()
+
+
+def run(module, *arguments):
+    done = CliRunner().invoke(module.command, arguments, catch_exceptions=False)
+    assert done.exit_code == 0
+    return done.output
+
+
+def test_status_prints_verdict_attitudes_sensors_and_links(server, documents):
+    said = run(status, "--at", server(documents[1]))
+    lines = said.splitlines()
+    assert lines[0] == "active: system 1, disarmed"
+    assert any(line.startswith("ATTITUDE agrees, tilt 0.") for line in lines)
+    assert any(line.startswith("  ours       roll ") for line in lines)
+    assert any(line.startswith("  RAW_IMU: ") for line in lines)
+    assert any(line.startswith("  udpin::0: open, ") for line in lines)
+
+
+def test_status_of_a_daemon_without_a_vehicle_and_as_json(server, documents):
+    address = server(documents[0])
+    assert run(status, "--at", address).splitlines()[:2] == ["waiting: no vehicle yet", "no verdict yet"]
+    assert json.loads(run(status, "--at", address, "--json")) == json.loads(documents[0])
+
+
+@pytest.mark.parametrize("module", [status, watch], ids=["status", "watch"])
+def test_where_no_daemon_answers_the_code_is_69_and_the_line_says_what_to_do(server, module):
+    for answer, said in ((None, r"no daemon answers .*web\.listen"), (b"<html>", "is no attest-mav"), (b"{}", "is no")):
+        with pytest.raises(LinkError, match=said) as caught:
+            CliRunner().invoke(module.command, ["--at", server(answer)], catch_exceptions=False)
+        assert caught.value.exit_code == 69
+        assert "\n" not in str(caught.value)
+
+
+def test_an_address_that_is_none_is_a_usage_error():
+    with pytest.raises(UsageError, match=r"--at: expected HOST:PORT, such as 127\.0\.0\.1:8484, got 'nonsense'"):
+        CliRunner().invoke(status.command, ["--at", "nonsense"], catch_exceptions=False)
+
+
+def test_watch_in_a_pipe_writes_a_line_for_each_change_and_waits_for_a_daemon_that_is_gone(server, documents):
+    idle, active = documents
+    address = server(idle, idle, active, active, None, None, active)
+    lines = run(watch, "--at", address, "--looks", "7").splitlines()
+    assert [line.split(":")[0] for line in lines] == ["waiting", "active", "the daemon at 127.0.0.1", "active"]
+    assert "agrees" in lines[1]
+    assert lines[2].endswith(" is gone")
+
+
+def test_watch_on_a_terminal_shows_the_whole_state(documents):
+    state = json.loads(documents[1])
+    shown = watch._view(state, "").plain
+    assert "ATTITUDE agrees" in shown
+    assert "RAW_IMU" in shown
+    assert "this was its last state" in watch._view(state, "it is gone").plain
