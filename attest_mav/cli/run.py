@@ -24,7 +24,7 @@ def command(config_file: str | None, changes: tuple[str, ...], urls: tuple[str, 
     the built-in fake autopilot. pymavlink's spellings work too. SIGINT and SIGTERM end the daemon with exit code 0.
     """
     config = load_config(config_file, urls, changes)
-    log_to_stderr(config.log.level)
+    log_to_stderr(config.log.level, config.log.format)
     with stop_signals() as stop:
         Daemon(config, find_field).run(stop)
 

@@ -168,8 +168,10 @@ class LogConfig(_Record, frozen=True):
 
     level: Literal["debug", "info", "warning", "error"] = "info"
     """The least severe level that is written."""
-    status_s: Seconds = 10.0
-    """Period of the status line, s."""
+    format: Literal["text", "json"] = "text"
+    """Lines for people, or a JSON object each."""
+    status_s: Seconds = 300.0
+    """Longest time between two status lines, s; one whose words change comes after 10 s at the latest."""
 
 
 class WebConfig(_Record, frozen=True):

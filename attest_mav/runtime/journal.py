@@ -4,12 +4,14 @@ Whoever reads stderr may stop reading: a stalled collector, a terminal after Ctr
 a thread of their own, from a bounded queue; a line that finds no room is dropped and counted.
 """
 
+import json
 import logging
 import os
 import queue
 import re
 import sys
 import threading
+import time
 from contextlib import suppress
 from typing import Final
 
@@ -30,10 +32,24 @@ _NUMBER: Final = re.compile(r"[0-9a-f.:]*[0-9][0-9a-f.:]*")
 
 
 class _JournalFormatter(logging.Formatter):
-    """Puts the priority in front; the journal has its own clock."""
+    """Puts the priority in front of what another formatter makes; the journal has its own clock."""
+
+    def __init__(self, inner: logging.Formatter) -> None:
+        super().__init__()
+        self._inner: Final = inner
 
     def format(self, record: logging.LogRecord) -> str:
-        return f"<{_PRIORITIES.get(record.levelno, 6)}>{super().format(record)}"
+        return f"<{_PRIORITIES.get(record.levelno, 6)}>{self._inner.format(record)}"
+
+
+class _JsonFormatter(logging.Formatter):
+    """One JSON object a line: the time of day (UTC), the level, the part of the program and the text."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        seconds = time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime(record.created))
+        part = record.name.removeprefix("attest_mav.")
+        fields = {"time": f"{seconds}.{int(record.msecs):03d}Z", "level": record.levelname.lower(), "part": part}
+        return json.dumps(fields | {"text": record.getMessage()})
 
 
 class FloodFilter(logging.Filter):
@@ -92,10 +108,13 @@ class ThreadedHandler(logging.Handler):
                     line = line[os.write(self._fd, line) :]
 
 
-def log_to_stderr(level: str) -> None:
-    """Send the package's log lines of this level and above to stderr; nowhere where it is closed."""
+def log_to_stderr(level: str, form: str = "text") -> None:
+    """Send the package's log lines of this level and above to stderr; nowhere where it is closed.
+
+    form: "text" for people, "json" for programs.
+    """
     logger = logging.getLogger("attest_mav")
-    logger.handlers[:] = [_handler()]
+    logger.handlers[:] = [_formatted(_handler(), form)]
     logger.setLevel(level.upper())
     logger.propagate = False
 
@@ -104,14 +123,14 @@ def _handler() -> logging.Handler:
     try:
         fd = sys.stderr.fileno()
     except (AttributeError, OSError, ValueError):  # closed, or replaced by something without a descriptor
-        return logging.NullHandler() if sys.stderr is None else _formatted(logging.StreamHandler(sys.stderr))
-    return _formatted(ThreadedHandler(fd))
+        return logging.NullHandler() if sys.stderr is None else logging.StreamHandler(sys.stderr)
+    return ThreadedHandler(fd)
 
 
-def _formatted(handler: logging.Handler) -> logging.Handler:
-    if "JOURNAL_STREAM" in os.environ:  # set by systemd where stderr goes to the journal
-        handler.setFormatter(_JournalFormatter("%(message)s"))
-    else:
-        handler.setFormatter(logging.Formatter("%(asctime)s %(message)s", "%H:%M:%S"))
+def _formatted(handler: logging.Handler, form: str) -> logging.Handler:
+    is_journal = "JOURNAL_STREAM" in os.environ  # set by systemd where stderr goes to the journal
+    timed = logging.Formatter("%(message)s" if is_journal else "%(asctime)s %(message)s", "%H:%M:%S")
+    formatter = _JsonFormatter() if form == "json" else timed
+    handler.setFormatter(_JournalFormatter(formatter) if is_journal else formatter)
     handler.addFilter(FloodFilter())
     return handler

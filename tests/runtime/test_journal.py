@@ -1,5 +1,7 @@
 """Log lines on a descriptor that nobody reads, and lines without end."""
 
+import io
+import json
 import logging
 import os
 import re
@@ -101,3 +103,27 @@ def test_a_closed_stderr_is_no_error_and_nothing_is_written_to_what_took_its_num
     finally:
         logger.handlers[:], logger.level, logger.propagate = before
     assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize("in_journal", [False, True])
+def test_lines_for_programs_are_one_json_object_each_behind_the_priority_of_a_journal(monkeypatch, in_journal):
+    monkeypatch.delenv("JOURNAL_STREAM", raising=False)
+    if in_journal:
+        monkeypatch.setenv("JOURNAL_STREAM", "9:9")
+    written = io.StringIO()
+    logger = logging.getLogger("attest_mav")
+    before = logger.handlers[:], logger.level, logger.propagate
+    try:
+        monkeypatch.setattr(sys, "stderr", written)
+        log_to_stderr("info", "json")
+        logging.getLogger("attest_mav.link").warning("two\nlines %s", '"quoted"')
+    finally:
+        logger.handlers[:], logger.level, logger.propagate = before
+    line = written.getvalue().removesuffix("\n")
+    assert "\n" not in line
+    if in_journal:
+        assert line.startswith("<4>{")
+        line = line[3:]
+    fields = json.loads(line)
+    assert re.fullmatch(r"20\d\d-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z", fields.pop("time"))
+    assert fields == {"level": "warning", "part": "link", "text": 'two\nlines "quoted"'}
