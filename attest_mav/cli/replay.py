@@ -92,6 +92,11 @@ from attest_mav.runtime.results import Results
     metavar="FILE",
     help="Keep the result of each log in FILE; logs that it has, unchanged and replayed alike, are not replayed again.",
 )
+@click.option(
+    "--as-it-came",
+    is_flag=True,
+    help="Filters know settings and magnetic field only from when the log tells them, as the daemon in flight.",
+)
 @click.option("--json", "json_lines", is_flag=True, help="Print one JSON object a log, one a line.")
 @click.option(
     "--declination",
@@ -118,6 +123,7 @@ def command(
     junit_path: str | None,
     workers: int | None,
     results_path: str | None,
+    as_it_came: bool,
     json_lines: bool,
     declination_deg: float | None,
 ) -> None:
@@ -133,7 +139,7 @@ def command(
     check_declination(declination_deg)
     chosen, pipeline = configured(filters, config_file, changes)
     window = window_of(start_s, end_s, skip_s)
-    request = Request(chosen, imu, reference, declination_deg, window, vehicle_of(vehicle), pipeline)
+    request = Request(chosen, imu, reference, declination_deg, window, vehicle_of(vehicle), pipeline, as_it_came)
     paths = log_paths(logs)
     outputs = {
         "--csv": csv_path,
@@ -157,6 +163,7 @@ def command(
         outcomes = replayed(paths)
         if results_path is not None:
             work = f"{version_text()} {chosen} {pipeline} {imu} {reference} {declination_deg} {window} {vehicle}"
+            work += " as it came" if as_it_came else ""
             results = Results(results_path, work)
             stack.enter_context(results.open())
             outcomes = resumed(paths, results, replayed)

@@ -25,6 +25,7 @@ ComponentId = Annotated[int, Meta(ge=1, le=255)]
 RateHz = Annotated[float, Meta(ge=0.01, le=1000.0)]
 Seconds = Annotated[float, Meta(ge=0.1, le=3600.0)]
 BytesPerSecond = Annotated[float, Meta(ge=0.0, le=1e8)]
+Megabytes = Annotated[float, Meta(ge=1.0, le=1e7)]
 Scale = Annotated[float, Meta(ge=0.0, le=1.0)]
 SpeedSource = Literal[
     "auto", "airspeed", "groundspeed", "GPS_RAW_INT", "GLOBAL_POSITION_INT", "LOCAL_POSITION_NED", "none"
@@ -174,6 +175,21 @@ class LogConfig(_Record, frozen=True):
     """Longest time between two status lines, s; one whose words change comes after 10 s at the latest."""
 
 
+class RecordConfig(_Record, frozen=True):
+    """Recordings of the vehicle's messages, of our own, and of the lines of the log."""
+
+    folder: str = ""
+    """Folder of the files; empty: nothing is recorded."""
+    file_mb: Megabytes = 64.0
+    """A file of this size ends, MB."""
+    file_s: Annotated[float, Meta(ge=10.0, le=1e6)] = 3600.0
+    """A file of this age ends, s."""
+    total_mb: Megabytes = 2000.0
+    """All files together, MB; the oldest ones are deleted."""
+    reserve_mb: Megabytes = 500.0
+    """Space that stays free on the disk, MB."""
+
+
 class WebConfig(_Record, frozen=True):
     """The live page, and the documents for programs beside it."""
 
@@ -196,6 +212,7 @@ class Config(_Record, frozen=True):
     estimate: EstimateConfig = EstimateConfig()
     verdict: VerdictConfig = VerdictConfig()
     state: StateConfig = StateConfig()
+    record: RecordConfig = RecordConfig()
     web: WebConfig = WebConfig()
     log: LogConfig = LogConfig()
 

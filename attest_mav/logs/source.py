@@ -78,6 +78,9 @@ class VehicleSummary:
     """The vehicle as the log's first samples tell it: its first heartbeat, its firmware, the first value of each
     parameter."""
 
+    first_settings: VehicleSettings | None = None
+    """The settings that hold before the vehicle has told any; None for a format that tells all at its beginning."""
+
     date: FlightDate | None = None
     """The date of the flight; None for that of the position's ``rx_ns``."""
     spans: Mapping[str, float] = field(default_factory=dict)

@@ -69,7 +69,7 @@ def replay(source: LogSource, request: Request, outputs: Outputs) -> Replay:
     filters = request.filters or (suitable_filter(),)
     flight = Flight(
         plan,
-        [one.with_vehicle_settings(vehicle.settings) for one in filters],
+        filters if request.as_it_came else [one.with_vehicle_settings(vehicle.settings) for one in filters],
         north.direction,
         request.window,
         outputs.attitudes,
@@ -77,6 +77,7 @@ def replay(source: LogSource, request: Request, outputs: Outputs) -> Replay:
         vehicle.opening,
         request.pipeline,
         outputs.observer,
+        (vehicle.first_settings or vehicle.settings) if request.as_it_came else None,
     )
     if outputs.observer is not None:
         outputs.observer.begin(north.direction)

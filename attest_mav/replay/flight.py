@@ -21,9 +21,10 @@ from attest_mav.replay.reference_track import ReferenceTrack
 from attest_mav.replay.request import Window
 from attest_mav.replay.stamping import BurstStamp, Stamped
 from attest_mav.replay.verdict_log import VerdictLog
-from attest_mav.samples import AttitudeSample, ImuSample, Sample
+from attest_mav.samples import AttitudeSample, ImuSample, PositionSample, Sample
 from attest_mav.types import NO_TIME, AttitudeRole, EarthField, North
 from attest_mav.vehicle_reports import ParameterSample
+from attest_mav.vehicle_settings import VehicleSettings
 
 AUTOPILOT: Final = "autopilot"
 """Name of the autopilot's own attitude among the compared ones."""
@@ -63,7 +64,7 @@ class Flight:
     def __init__(
         self,
         plan: Plan,
-        filters: list[AttitudeFilter],
+        filters: Sequence[AttitudeFilter],
         field: EarthField,
         window: Window,
         sink: ComparisonSink | None = None,
@@ -71,7 +72,12 @@ class Flight:
         opening: Sequence[Sample] = (),
         settings: PipelineSettings | None = None,
         observer: FlightObserver | None = None,
+        first_settings: VehicleSettings | None = None,
     ) -> None:
+        """first_settings: what filters know at first, where they shall learn the rest as the log tells it.
+
+        None for filters that know everything from the start.
+        """
         settings = PipelineSettings() if settings is None else settings
         sink = joined(sink, observer)
         reference = ReferenceTrack()
@@ -99,6 +105,12 @@ class Flight:
         self._timing_source: Final[str | None] = plan.timing
         self._writer: Final = writer
         self._observer: Final = observer
+        self._learns: Final = first_settings is not None
+        self._field: Final = field
+        if first_settings is not None:
+            for run in self.runs:
+                run.pipeline.set_field(EarthField())
+                run.pipeline.set_vehicle_settings(first_settings)
         self._reference: Final = reference
         self._time: Final = LogTime()
         self._stamp: Final = BurstStamp()
@@ -136,11 +148,14 @@ class Flight:
             self._writer.finish()
 
     def _take_other(self, sample: Sample) -> None:
-        """A sample of the vehicle. The filters have its settings from the start: a change is for the frames alone."""
+        """A sample of the vehicle. Filters that do not learn have its settings: a change is for the frames alone."""
         self._vehicle.take(sample)
         if self._observer is not None and self._reading and self.imu.samples:
             self._observer.vehicle(sample, self._elapsed_s)
-        if not isinstance(sample, ParameterSample):
+        if self._learns and isinstance(sample, PositionSample):
+            for run in self.runs:
+                run.pipeline.set_field(self._field)
+        if self._learns or not isinstance(sample, ParameterSample):
             for run in self.runs:
                 run.pipeline.handle(sample)
 

@@ -62,6 +62,8 @@ class Request:
     """The vehicle to read; None for the one with most inertial messages."""
     pipeline: PipelineSettings = field(default_factory=PipelineSettings)
     """Thresholds of the verdict, and what aids the filters."""
+    as_it_came: bool = False
+    """Whether filters know settings and field only from when the log tells them, as the daemon did in flight."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         """The call that makes the request again, for pickle."""
@@ -74,6 +76,7 @@ class Request:
             _as_call(self.window),
             self.vehicle,
             _as_call(self.pipeline),
+            self.as_it_came,
         )
 
 

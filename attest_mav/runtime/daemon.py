@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from attest_mav.config.records import Config, web_address
-from attest_mav.mavlink.dialect import load_dialect
+from attest_mav.mavlink.dialect import Dialect, load_dialect
 from attest_mav.runtime.keys import read_keys
 from attest_mav.runtime.links.base import Link
 from attest_mav.runtime.links.open import open_links
@@ -23,7 +23,9 @@ from attest_mav.service.service import Service
 from attest_mav.service.snapshot import Snapshot, Traffic
 
 if TYPE_CHECKING:
+    from attest_mav.runtime.recorder.recorder import Recorder
     from attest_mav.runtime.web.server import WebServer
+    from attest_mav.service.tape import Tape
 
 log = logging.getLogger("attest_mav.daemon")
 
@@ -38,7 +40,10 @@ class Daemon:
         self.loop: Final = Loop()
         """Other handlers may be added before ``run``."""
         self.links: Final = open_links(config.link, dialect, now_ns)
-        self.service: Final = Service(settings, [link.url for link in self.links], dialect, find_field, now_ns)
+        self._tape: Final = self._new_tape(config, dialect, now_ns)
+        self._recorder: Final = self._new_recorder(config)
+        names = [link.url for link in self.links]
+        self.service: Final = Service(settings, names, dialect, find_field, now_ns, self._tape)
         self._keeper: Final = self._state_keeper(config, now_ns)
         self._notifier: Final = Notifier(os.environ)
         for number, link in enumerate(self.links):
@@ -50,7 +55,8 @@ class Daemon:
 
     def snapshot(self, now_ns: int) -> Snapshot:
         """Everything that may be seen of the daemon, the links' counters included."""
-        return self.service.snapshot(now_ns, [_traffic(link) for link in self.links])
+        recording = None if self._recorder is None else self._recorder.snapshot
+        return self.service.snapshot(now_ns, [_traffic(link) for link in self.links], recording)
 
     def run(self, stop: socket.socket) -> None:
         """Work until ``stop`` becomes readable (see ``stop_signals``); then say goodbye and close."""
@@ -66,6 +72,22 @@ class Daemon:
         keeper = StateKeeper(self.service.persistence, state_path(config.state.folder, os.environ), now_ns)
         self.loop.add(keeper)
         return keeper
+
+    def _new_tape(self, config: Config, dialect: Dialect, now_ns: int) -> "Tape | None":
+        """The tape, with times of day by the clock of now; None where nothing is recorded."""
+        if not config.record.folder:
+            return None
+        from attest_mav.service.tape import Tape  # noqa: PLC0415  (costs nothing while it is off)
+
+        return Tape(dialect, time.time_ns() - now_ns, config.output.component_id)
+
+    def _new_recorder(self, config: Config) -> "Recorder | None":
+        """The recorder of the tape."""
+        if self._tape is None:
+            return None
+        from attest_mav.runtime.recorder.recorder import Recorder  # noqa: PLC0415  (costs nothing while it is off)
+
+        return Recorder(config.record, self._tape)
 
     def _web_server(self, config: Config, now_ns: int) -> "WebServer | None":
         """The live page, None where it is off."""
@@ -94,8 +116,14 @@ class Daemon:
         for number, link in enumerate(self.links):
             for frame in self.service.take_frames(number):
                 link.send(frame, now_ns)
+                if self._tape is not None:
+                    self._tape.say(frame, now_ns)
         for note in self.service.take_notes():
             log.log(note.level, "%s", note.text)
+            if self._tape is not None:
+                self._tape.note(note, now_ns)
+        if self._recorder is not None:
+            self._recorder.pass_on(now_ns, self.service.is_armed)
 
     def _end(self) -> None:
         """Send the last frames on every link that still takes them, and close everything."""
@@ -105,6 +133,8 @@ class Daemon:
         self._put_out(time.monotonic_ns())
         if self._keeper is not None:
             self._keeper.finish()
+        if self._recorder is not None:
+            self._recorder.finish()
         if self._web is not None:
             self._web.close()
         for link in self.links:

@@ -7,7 +7,7 @@ vehicle and a counter. Everything that anyone may see of the service is in ``sna
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from attest_mav.estimate import Estimate
 from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind, Verdict
@@ -40,11 +40,14 @@ from attest_mav.service.observation import (
 from attest_mav.service.publisher import Publisher
 from attest_mav.service.settings import ServiceSettings
 from attest_mav.service.signing_status import signing_snapshot
-from attest_mav.service.snapshot import NO_TRAFFIC, NoteCounts, Snapshot, Traffic
+from attest_mav.service.snapshot import NO_TRAFFIC, NoteCounts, RecordingSnapshot, Snapshot, Traffic
 from attest_mav.service.source_notes import SourceNotes
 from attest_mav.service.verdict_teller import VerdictTeller
 from attest_mav.types import EarthField
 from attest_mav.vehicle_reports import ParameterSample
+
+if TYPE_CHECKING:
+    from attest_mav.service.tape import Tape
 
 REFUSALS_NS: Final = 1_000_000_000
 """Period at which the decoder's refusals and the frames of attitudes are looked through, ns."""
@@ -54,9 +57,16 @@ class Service:
     """One vehicle's attitude, from the bytes of its links to the frames that are sent on them."""
 
     def __init__(
-        self, settings: ServiceSettings, links: Sequence[str], dialect: Dialect, find_field: FieldFinder, now_ns: int
+        self,
+        settings: ServiceSettings,
+        links: Sequence[str],
+        dialect: Dialect,
+        find_field: FieldFinder,
+        now_ns: int,
+        tape: "Tape | None" = None,
     ) -> None:
-        """``links``: the names of the links, one for each of ``settings.ports``."""
+        """links: the names of the links, one for each of ``settings.ports``. tape: keeps the vehicle's messages."""
+        self._tape: Final = tape
         self.due_ns = now_ns
         """When ``poll`` is due; a time in the past is at once."""
         self._settings = settings
@@ -96,6 +106,11 @@ class Service:
         """The newest valid estimate, else None."""
         return None if self._pipeline is None else self._pipeline.estimate
 
+    @property
+    def is_armed(self) -> bool | None:
+        """Whether the vehicle is armed, None while that is not known."""
+        return self._vehicle.armed
+
     def fresh(self, now_ns: int) -> bool:
         """Whether there is an estimate younger than the configured limit."""
         estimate = self.estimate
@@ -116,6 +131,8 @@ class Service:
             if companion.sender != self._sender:
                 self._begin_anew()
             if is_data:
+                if self._tape is not None:
+                    self._tape.hear(frame)
                 for sample in self._decoder.decode(frame):
                     self._take(sample, now_ns)
             else:
@@ -165,8 +182,13 @@ class Service:
         self._verdicts.end()
         self._companion.stop()
 
-    def snapshot(self, now_ns: int, traffic: Sequence[Traffic] = ()) -> Snapshot:
-        """Everything that may be seen of the service. ``traffic``: the host's counters, one record a link."""
+    def snapshot(
+        self, now_ns: int, traffic: Sequence[Traffic] = (), recording: RecordingSnapshot | None = None
+    ) -> Snapshot:
+        """Everything that may be seen of the service.
+
+        traffic: the host's counters, one record a link. recording: the host's, of the tape.
+        """
         companion, decoder = self._companion, self._decoder
         counters = traffic or [NO_TRAFFIC] * len(self._inputs)
         signing = [signing_snapshot(verifier, now_ns) for verifier in self._signing.verifiers]
@@ -197,6 +219,7 @@ class Service:
             link_remarks=tuple(companion.remarks(now_ns)),
             own_parameters=tuple(companion.own_parameters.changes.items()),
             notes=NoteCounts(self._notebook.warnings, self._notebook.errors, self._notebook.dropped),
+            recording=recording,
         )
 
     def _take(self, sample: Sample, now_ns: int) -> None:

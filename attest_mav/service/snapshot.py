@@ -218,6 +218,20 @@ class VerdictSpan:
 
 
 @dataclass(frozen=True)
+class RecordingSnapshot:
+    """The recording of our own work; its host makes it."""
+
+    file: str
+    """Name of the present file, "" before there is one."""
+    written_bytes: int
+    """Bytes written so far."""
+    lost_frames: int
+    """Frames that were not written, because the disk was full, slow or broken."""
+    complaint: str
+    """Why nothing is written at present, "" while all is well."""
+
+
+@dataclass(frozen=True)
 class NoteCounts:
     """Lines left for the log, by severity."""
 
@@ -281,6 +295,8 @@ class Snapshot:
     """Our parameters that stations have set, by name."""
     notes: NoteCounts
     """Lines left for the log."""
+    recording: RecordingSnapshot | None
+    """None where nothing is recorded."""
 
     @property
     def inertial_stream(self) -> StreamSnapshot | None:

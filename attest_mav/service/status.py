@@ -75,6 +75,7 @@ def status_line(now: Snapshot, before: Snapshot) -> str:
     parts += [f"the autopilot itself {', '.join(now.self_report)}"] if now.self_report else []
     parts += now.link_remarks
     parts += [signing_text(link.name, link.signing) for link in now.links if link.signing is not None]
+    parts += [f"nothing is recorded: {now.recording.complaint}"] if now.recording and now.recording.complaint else []
     parts.append(", ".join([f"sent {rates.published:.1f} Hz", *_changed_by_others(now)]))
     return " | ".join(parts)
 

@@ -74,6 +74,7 @@ _LANE_COUNTERS: Final = {
 def _service(now: Snapshot) -> list[Metric]:
     vehicle, notes = now.vehicle, now.notes
     notes_by_level = [((("level", "warning"),), notes.warnings), ((("level", "error"),), notes.errors)]
+    recordings = [] if now.recording is None else [now.recording]
     up = [((("link", link.name),), link.traffic.is_open) for link in now.links]
     return [
         Metric(
@@ -83,6 +84,8 @@ def _service(now: Snapshot) -> list[Metric]:
         Metric("withheld", "Whether the attitude is not certain enough to be sent.", _one(now.withheld != "")),
         Metric("samples_total", "Samples of the inertial message in use.", _one(now.samples)),
         Metric("notes_total", "Lines of the log.", notes_by_level),
+        Metric("record_bytes_total", "Bytes recorded.", [((), one.written_bytes) for one in recordings]),
+        Metric("record_lost_frames_total", "Frames not recorded.", [((), one.lost_frames) for one in recordings]),
         Metric("link_open", "Whether the device or socket is open.", up),
     ]
 

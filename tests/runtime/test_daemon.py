@@ -7,6 +7,8 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from attest_mav.config.records import parse_config
 from attest_mav.errors import ConfigError
+from attest_mav.logs.tlog.reader import TlogReader
+from attest_mav.mavlink.dialect import load_dialect
 from attest_mav.runtime.daemon import Daemon
 from attest_mav.runtime.loop import READ, Handler, Timer, Watch
 from attest_mav.service.kept_state import parse_state
@@ -77,14 +79,19 @@ class Observer:
 
 
 @pytest.fixture
-def observer(monkeypatch):
+def observer(monkeypatch, tmp_path):
     monkeypatch.delenv("NOTIFY_SOCKET", raising=False)
-    observer = Observer(Daemon(parse_config(CONFIG, "test"), lambda *_: (EarthField(0.1, 1.1), "a test")))
+    observer = Observer(
+        Daemon(
+            parse_config(f"{CONFIG}[record]\nfolder = '{tmp_path}'\n", "test"),
+            lambda *_: (EarthField(0.1, 1.1), "a test"),
+        )
+    )
     yield observer
     observer.close()
 
 
-def test_a_foreign_client_and_a_timer_live_on_the_daemons_loop(observer, caplog):
+def test_a_foreign_client_and_a_timer_live_on_the_daemons_loop(observer, caplog, tmp_path):
     caplog.set_level("INFO", "attest_mav")
     stop, signal = socket.socketpair()
     with stop, signal:
@@ -100,6 +107,11 @@ def test_a_foreign_client_and_a_timer_live_on_the_daemons_loop(observer, caplog)
     assert last.links[1].traffic.sent_bytes > 5 * 40
     assert last.links[1].traffic.received_bytes == 12 + 9, "the HEARTBEAT"
     assert last.links[0].traffic.received_bytes > 1000
+    recorded = b"".join(path.read_bytes() for path in sorted(tmp_path.glob("*.tlog")))
+    assert observer.daemon.snapshot(0).recording.written_bytes == len(recorded)
+    frames = list(TlogReader(recorded, load_dialect()))
+    assert sum(one.component == 1 for one in frames) > 100
+    assert sum(one.component == 193 for one in frames) > 5
     assert observer.of_type("HEARTBEAT")[-1].system_status == mavlink.MAV_STATE_POWEROFF
     assert "ready: the first estimate is there" in caplog.messages
     assert any(text.startswith("using RAW_IMU with the filter velocity-aided") for text in caplog.messages)

@@ -31,7 +31,7 @@ class Heard(Notifier):
 
 @pytest.fixture
 def lines(caplog):
-    """The times (s) of the status lines of 100 s: a vehicle is there from 20 s to 60 s."""
+    """The times (s) of the status lines of 70 s: a vehicle is there from 10 s to 34 s."""
     caplog.set_level(logging.INFO, "attest_mav")
     dialect = load_dialect()
     vehicle = FakeAutopilot(SimSettings(scenario="still", fast_rate_hz=50.0), 1, dialect)
@@ -40,8 +40,8 @@ def lines(caplog):
     heard = Heard()
     reporter = Reporter(service, heard, service.snapshot, 30.0, 0)
     times = []
-    for now_ns in range(0, 100 * SECOND, 20_000_000):
-        if 20 * SECOND <= now_ns < 60 * SECOND:
+    for now_ns in range(0, 70 * SECOND, 40_000_000):
+        if 10 * SECOND <= now_ns < 34 * SECOND:
             service.receive(0, b"".join(vehicle.frames_until(now_ns)), now_ns)
         service.poll(now_ns)
         for frame in service.take_frames(0):
@@ -56,11 +56,11 @@ def lines(caplog):
 
 def test_a_status_line_comes_where_its_words_change_and_else_at_the_configured_period(lines):
     times, states = lines
-    assert [t for t, _ in times if t < 20] == [0.0]
-    steady = [t for t, _ in times if 32 < t < 60]
-    assert len(steady) <= 3, "every 10 s at most while it settles, else every 30 s"
-    gone = [(t, text) for t, text in times if t >= 60]
-    assert gone[0][0] <= 70
+    assert [t for t, _ in times if t < 10] == [0.0]
+    steady = [t for t, _ in times if 22 < t < 34]
+    assert len(steady) <= 1, "every 10 s at most while it settles, else every 30 s"
+    gone = [(t, text) for t, text in times if t >= 34]
+    assert gone[0][0] <= 44
     assert "samples stopped" in gone[0][1] or "no vehicle" in gone[0][1]
     assert max(b - a for (a, _), (b, _) in pairwise(times)) <= 30.1
-    assert len(states) == pytest.approx(10, abs=3), "systemd is told every 10 s"
+    assert len(states) == pytest.approx(7, abs=3), "systemd is told every 10 s"

@@ -54,6 +54,7 @@ def _vehicle(
     settings = facts_of_firmware(
         MAV_AUTOPILOT_INVALID if autopilot is None else autopilot, -1 if heartbeat is None else heartbeat.vehicle_type
     )
+    first_settings = settings
     for sample in parameters:
         settings = settings.updated(sample.setting, sample.value)
     return VehicleSummary(
@@ -67,6 +68,7 @@ def _vehicle(
         settings=settings,
         parameters=parameters,
         opening=_opening(survey, vehicle),
+        first_settings=first_settings,
         date=_date(survey, system),
         spans=survey.attitudes.spans(vehicle, length),
         unfit=_unfit(survey, vehicle, counts),
