@@ -9,6 +9,7 @@ from attest_mav.config.records import Config
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.service.assembly import service_settings
 from attest_mav.service.service import Service
+from attest_mav.service.tape import Tape
 from attest_mav.sim.autopilot import FakeAutopilot
 from attest_mav.types import EarthField
 
@@ -41,12 +42,14 @@ class PlainLine:
 class ServiceFlight:
     """One flight; the caller advances it and looks at what it likes."""
 
-    def __init__(self, vehicle: FakeAutopilot, config: Config, dialect: Dialect, line: Line) -> None:
+    def __init__(
+        self, vehicle: FakeAutopilot, config: Config, dialect: Dialect, line: Line, tape: Tape | None = None
+    ) -> None:
         earth = vehicle.settings.earth
         field = EarthField(radians(earth.declination_deg), radians(earth.inclination_deg))
         self.vehicle: Final = vehicle
         self.service: Final = Service(
-            service_settings(config), ["link"], dialect, lambda *_: (field, "the simulator's"), 0
+            service_settings(config), ["link"], dialect, lambda *_: (field, "the simulator's"), 0, tape
         )
         self.now_ns = 0
         self._line: Final = line
