@@ -101,13 +101,16 @@ def test_a_full_disk_is_told_once_and_counted_and_recording_goes_on_later(tmp_pa
     class Full(RecordFolder):
         """Full until twenty parts are lost."""
 
+        user = None
+
         def has_room(self, current):
-            return writer.lost_frames >= 40
+            return self.user is not None and self.user.lost_frames >= 40
 
     caplog.set_level(logging.INFO, "attest_mav")
     monkeypatch.setattr(writer_module, "SYNC_S", 0.001)
     monkeypatch.setattr(writer_module, "RETRY_S", 0.0)
-    writer = Writer(Full(tmp_path, 10_000, 1000))
+    folder = Full(tmp_path, 10_000, 1000)
+    writer = folder.user = Writer(folder)
     for k in range(20):
         writer.put(Part(b"x", 2, b"" if k == 0 else None))
     writer.put(Part(b"yy", 1, None))
