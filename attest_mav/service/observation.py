@@ -12,7 +12,6 @@ from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.service.link_input import LinkInput
 from attest_mav.service.signing_status import SigningSnapshot
 from attest_mav.service.snapshot import (
-    AutopilotAttitude,
     ClockSnapshot,
     LaneSnapshot,
     LinkSnapshot,
@@ -21,6 +20,7 @@ from attest_mav.service.snapshot import (
     Traffic,
     VehicleSnapshot,
 )
+from attest_mav.service.verdict_records import AutopilotAttitude
 
 
 def link_snapshot(framer: LinkInput, port: Port, signing: SigningSnapshot | None, traffic: Traffic) -> LinkSnapshot:

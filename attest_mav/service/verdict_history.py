@@ -8,9 +8,9 @@ from typing import Final
 from attest_mav.estimation.events import Agreement, LaneEvent, Verdict
 from attest_mav.estimation.lane_standings import LaneStandings
 from attest_mav.estimation.verdict_intervals import IntervalChange, VerdictInterval, VerdictIntervals
-from attest_mav.service.snapshot import VerdictSpan, VerdictStanding
+from attest_mav.service.verdict_records import VerdictSpan, VerdictStanding
 
-KEPT_INTERVALS: Final = 50
+KEPT_INTERVALS: Final = 30
 """So many intervals that have ended are shown."""
 
 

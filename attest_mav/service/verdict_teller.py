@@ -8,8 +8,8 @@ from attest_mav.estimation.vehicle import Vehicle
 from attest_mav.estimation.verdict_intervals import IntervalChange
 from attest_mav.mavlink.component.companion import Companion
 from attest_mav.service.announcements import Announcements
-from attest_mav.service.snapshot import VerdictSpan, VerdictStanding
 from attest_mav.service.verdict_history import VerdictHistory
+from attest_mav.service.verdict_records import VerdictSpan, VerdictStanding
 
 _VERDICT_CODES: Final = {Agreement.AGREE: 1.0, Agreement.DISAGREE: 0.0, Agreement.UNDECIDED: -1.0}
 """The value of ATT_OK for each verdict."""
