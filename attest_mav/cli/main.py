@@ -18,6 +18,7 @@ COMMANDS: Final = {
     "sim": "The fake autopilot as a process of its own.",
     "play": "Send a recorded flight on a link, like a live vehicle.",
     "config": "Check a configuration file, or show the effective one.",
+    "service": "Put the systemd service in place, or take it away.",
 }
 """Each is the ``command`` of the module of the same name; the help is here so that listing them imports none."""
 

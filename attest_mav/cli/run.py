@@ -1,6 +1,8 @@
 """``attest-mav run``: the daemon."""
 
+import signal
 import time
+from functools import partial
 
 import click
 
@@ -21,12 +23,14 @@ def command(config_file: str | None, changes: tuple[str, ...], urls: tuple[str, 
     """Run the daemon: inertial messages in, ATTITUDE_QUATERNION out.
 
     Links: serial:/dev/ttyAMA0:921600, udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT, and sim: for
-    the built-in fake autopilot. pymavlink's spellings work too. SIGINT and SIGTERM end the daemon with exit code 0.
+    the built-in fake autopilot. pymavlink's spellings work too. SIGINT and SIGTERM end the daemon with exit code 0;
+    SIGHUP lets it read its configuration again.
     """
-    config = load_config(config_file, urls, changes)
+    read = partial(load_config, config_file, urls, changes)
+    config = read()
     log_to_stderr(config.log.level)
-    with stop_signals() as stop:
-        Daemon(config, find_field).run(stop)
+    with stop_signals(signal.SIGHUP) as stop:
+        Daemon(config, find_field, read).run(stop)
 
 
 def load_config(config_file: str | None, urls: tuple[str, ...], changes: tuple[str, ...] = ()) -> Config:

@@ -96,8 +96,13 @@ def log_to_stderr(level: str) -> None:
     """Send the package's log lines of this level and above to stderr; nowhere where it is closed."""
     logger = logging.getLogger("attest_mav")
     logger.handlers[:] = [_handler()]
-    logger.setLevel(level.upper())
     logger.propagate = False
+    log_from(level)
+
+
+def log_from(level: str) -> None:
+    """Write lines of this level and above from now on."""
+    logging.getLogger("attest_mav").setLevel(level.upper())
 
 
 def _handler() -> logging.Handler:

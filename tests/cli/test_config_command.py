@@ -6,7 +6,7 @@ from click.testing import CliRunner
 from attest_mav.cli.config import command
 from attest_mav.errors import ConfigError
 
-CONFIGS = Path(__file__).parent.parent.parent / "configs"
+CONFIGS = Path(__file__).parents[2] / "attest_mav" / "installation" / "configs"
 
 
 def run(*arguments):

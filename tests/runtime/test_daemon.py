@@ -101,7 +101,7 @@ def test_a_foreign_client_and_a_timer_live_on_the_daemons_loop(observer, caplog)
     assert last.links[1].traffic.received_bytes == 12 + 9, "the HEARTBEAT"
     assert last.links[0].traffic.received_bytes > 1000
     assert observer.of_type("HEARTBEAT")[-1].system_status == mavlink.MAV_STATE_POWEROFF
-    assert "ready: the first estimate is there" in caplog.messages
+    assert "the first estimate is there" in caplog.messages
     assert any(text.startswith("using RAW_IMU with the filter velocity-aided") for text in caplog.messages)
 
 
