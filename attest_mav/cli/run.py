@@ -6,7 +6,7 @@ from functools import partial
 
 import click
 
-from attest_mav.cli.config import load
+from attest_mav.cli.config import load_layered, set_option
 from attest_mav.config.records import Config
 from attest_mav.errors import UsageError
 from attest_mav.runtime.daemon import Daemon
@@ -17,7 +17,7 @@ from attest_mav.types import EarthField
 
 @click.command("run")
 @click.option("--config", "config_file", metavar="FILE", help="Configuration (TOML); see `attest-mav config show`.")
-@click.option("--set", "changes", metavar="KEY=VALUE", multiple=True, help="A value, instead of the configuration's.")
+@set_option
 @click.option("--link", "urls", metavar="URL", multiple=True, help="A link, instead of those of the configuration.")
 def command(config_file: str | None, changes: tuple[str, ...], urls: tuple[str, ...]) -> None:
     """Run the daemon: inertial messages in, ATTITUDE_QUATERNION out.
@@ -35,7 +35,7 @@ def command(config_file: str | None, changes: tuple[str, ...], urls: tuple[str, 
 
 def load_config(config_file: str | None, urls: tuple[str, ...], changes: tuple[str, ...] = ()) -> Config:
     """The configuration file, or the defaults, with the values and links of the command line."""
-    config = load(config_file, changes)
+    config = load_layered(config_file, changes).config
     if urls:
         config = config.with_links(urls)
     if not config.link:

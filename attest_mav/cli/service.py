@@ -13,14 +13,15 @@ from attest_mav.installation.plan import CONFIGURATION, FIRST_NOTIFY_RELOAD, pla
 
 START = """\
 Next:
-  systemd-sysusers && systemctl daemon-reload && udevadm control --reload
+  systemd-sysusers && systemctl daemon-reload
+  udevadm control --reload && udevadm trigger --subsystem-match=tty
   editor {configuration}
   {program} config check {configuration}
   systemctl enable --now attest-mav
 A further vehicle: /etc/attest-mav/NAME.toml, and systemctl enable --now attest-mav@NAME"""
 END = """\
 Next:
-  systemctl daemon-reload && udevadm control --reload
+  systemctl daemon-reload
   userdel attest-mav"""
 
 prefix_option = click.option(

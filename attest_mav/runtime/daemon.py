@@ -10,6 +10,7 @@ from typing import Final
 
 from attest_mav.config.live import differences, with_live_keys
 from attest_mav.config.records import Config
+from attest_mav.config.text import printable
 from attest_mav.errors import AttestMavError
 from attest_mav.mavlink.dialect import load_dialect
 from attest_mav.runtime.journal import log_from
@@ -78,7 +79,7 @@ class Daemon:
         try:
             self._use(self._read_again())
         except AttestMavError as error:
-            log.error("reload: %s; the configuration in force stays", error)  # noqa: TRY400  (no traceback for users)
+            log.error("reload: %s; the configuration in force stays", printable(str(error)))  # noqa: TRY400  (no traceback for users)
         self._notifier.ready()
 
     def _use(self, wanted: Config) -> None:
