@@ -17,7 +17,8 @@ def with_live_keys(running: Config, wanted: Config) -> Config:
     output = msgspec.structs.replace(
         running.output, rate_hz=wanted.output.rate_hz, max_sigma_deg=wanted.output.max_sigma_deg
     )
-    same_filter = running.filter.chosen == wanted.filter.chosen
+    # A filter of one's own may have become another class, which cannot go on from the state.
+    same_filter = running.filter.chosen == wanted.filter.chosen != "own"
     return msgspec.structs.replace(
         running,
         output=output,

@@ -59,6 +59,13 @@ def test_what_was_opened_asked_for_or_built_needs_a_new_start():
     ]
 
 
+def test_a_filter_of_ones_own_needs_a_new_start():
+    own = RUNNING + "[filter]\nname = 'own'\n[filter.own]\nclass = 'a:B'\n"
+    running, wanted = parse_config(own, "test"), parse_config(own.replace("a:B", "a:C"), "test")
+    assert with_live_keys(running, wanted) == running
+    assert list(differences(running, wanted)) == ["filter.own.class"]
+
+
 def test_a_link_more_needs_a_new_start():
     at_once, later = reloaded(RUNNING + "publish = []\n[[link]]\nurl = 'sim:'\n")
     assert at_once == []
