@@ -1,13 +1,20 @@
 """Compiles the core ahead of time when a wheel is built; everything else is in pyproject.toml.
 
 An editable install is never compiled, so that no stale binary can shadow a source. Where no C compiler works, or it
-fails halfway, nothing is compiled and the very same files run interpreted.
+fails halfway, nothing is compiled: the very same files run interpreted, and the wheel is one for every machine
+(py3-none-any).
 """
 
+import os
+import shlex
+import subprocess
 import sys
+import sysconfig
+import tempfile
 from pathlib import Path
 
 from setuptools import setup
+from setuptools.command.bdist_wheel import bdist_wheel
 from setuptools.command.build_ext import build_ext
 from setuptools.errors import BaseError, CCompilerError
 
@@ -33,14 +40,29 @@ CORE = [
     "replay",
 ]
 
-UNITS = ("estimation", "mavlink", "logs", "replay")
-"""Folders of the core that are one C file each. All else is in one with the filters: their small functions of vectors
-and matrices are inlined there, which makes a step faster by a fifth."""
+UNITS = {
+    "estimation": "attest_mav___estimation___",
+    "mavlink": "attest_mav___mavlink___",
+    "logs": "attest_mav___logs___",
+    "replay": "attest_mav___replay___",
+    "alignment": "attest_mav___filters___velocity_aided___alignment___",
+    "vehicle": "attest_mav___vehicle_",
+    "group": "__native_",
+}
+"""C files, with what the names of their modules contain; the first that fits counts. All else is in one with the
+filters: their small functions of vectors and matrices are inlined there, which makes a step faster by a fifth. The
+last one is what mypyc writes for all modules together."""
+
+LITTLE_MEMORY = ["--param", "ggc-min-expand=5", "--param", "ggc-min-heapsize=16384"]
+"""gcc collects its garbage more often: the same code from half the memory."""
 
 
 def core_extensions():
     """The extension modules of the core, or none when this is not a wheel build."""
     if "bdist_wheel" not in sys.argv:
+        return []
+    if not compiler_takes([]):
+        print("no C compiler with the headers of Python: the core runs interpreted", file=sys.stderr)
         return []
     from mypyc.build import mypycify
 
@@ -63,8 +85,32 @@ def core_extensions():
         # Without the first, position-independent code calls every small function through a table instead of
         # inlining it: steps of the filters then take twice as long. The second keeps compiled equal to interpreted.
         flags = ["-fno-semantic-interposition", "-ffp-contract=off"]
+        if compiler_takes(LITTLE_MEMORY):
+            flags += LITTLE_MEMORY
         extension.extra_compile_args = [*extension.extra_compile_args, *flags]
     return extensions
+
+
+def compiler_takes(flags):
+    """Whether an extension module can be compiled with these flags; without any, whether it can be at all.
+
+    Finding out later would cost a minute.
+    """
+    compiler = shlex.split(os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc")
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder) / "tried.c"
+        source.write_text("#include <Python.h>\n")
+        include = sysconfig.get_path("include")
+        try:
+            done = subprocess.run(
+                [*compiler, "-Werror", *flags, f"-I{include}", "-c", str(source), "-o", f"{source}.o"],
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                check=False,
+            )
+        except OSError:
+            return False
+    return done.returncode == 0
 
 
 def in_units(sources):
@@ -73,7 +119,7 @@ def in_units(sources):
         return sources
     parts = {}
     for source in sources:
-        unit = next((name for name in UNITS if f"attest_mav___{name}___" in source), "filters")
+        unit = next((name for name, part in UNITS.items() if part in module_of(source)), "filters")
         parts.setdefault(unit, []).append(Path(source).resolve())
     units = []
     for unit, paths in parts.items():
@@ -81,6 +127,12 @@ def in_units(sources):
         path.write_text("".join(f'#include "{one}"\n' for one in paths))
         units.append(str(path))
     return units
+
+
+def module_of(source):
+    """The name of a C file without the beginning that the files of all modules have: that of the group keeps it."""
+    name = Path(source).name
+    return name.removeprefix("__native_") if "attest_mav" in name else name
 
 
 class WholeOrNone(build_ext):
@@ -95,6 +147,17 @@ class WholeOrNone(build_ext):
             for extension in self.extensions:
                 Path(self.get_ext_fullpath(extension.name)).unlink(missing_ok=True)
             self.extensions = []
+            self.distribution.ext_modules = None
 
 
-setup(ext_modules=core_extensions(), cmdclass={"build_ext": WholeOrNone})
+class WheelOfWhatWasBuilt(bdist_wheel):
+    """Names the wheel after its content: without a compiled core it fits every Python 3 and every machine."""
+
+    def run(self):
+        """Build first, then choose."""
+        self.run_command("build")
+        self.root_is_pure = not self.distribution.has_ext_modules()
+        super().run()
+
+
+setup(ext_modules=core_extensions(), cmdclass={"build_ext": WholeOrNone, "bdist_wheel": WheelOfWhatWasBuilt})

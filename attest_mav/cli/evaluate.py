@@ -1,6 +1,7 @@
 """``attest-mav evaluate``: the papers' scenarios, measured and held against their bounds."""
 
 import json
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,6 +41,8 @@ def command(
     A NAME is an id such as P1-a, or the beginning of several such as P1; without one, all run. The bounds are meant
     for the default number of runs: with fewer, one may be missed by chance. Exit code 1 when one is missed.
     """
+    if find_spec("numpy") is None:
+        raise UsageError("evaluate needs numpy, which is not installed: pip install numpy")
     from attest_mav.evaluation.papers.scenarios import select  # noqa: PLC0415 - numpy is slow to import
 
     chosen = select(names)

@@ -8,6 +8,7 @@ from typing import Final
 import click
 
 from attest_mav.cli.version import version_text
+from attest_mav.config.text import printable
 from attest_mav.errors import AttestMavError, UnwritableError
 from attest_mav.runtime.files import give_up_stdout
 
@@ -20,6 +21,7 @@ COMMANDS: Final = {
     "status": "One look at a running daemon.",
     "watch": "A running daemon in the terminal.",
     "config": "Check a configuration file, or show the effective one.",
+    "service": "Put the systemd service in place, or take it away.",
 }
 """Each is the ``command`` of the module of the same name; the help is here so that listing them imports none."""
 
@@ -103,5 +105,5 @@ def run(arguments: list[str]) -> int:
 
 def report(error: AttestMavError) -> int:
     """Print the error in one line; the exit code."""
-    click.echo(f"attest-mav: error: {error}", err=True)
+    click.echo(f"attest-mav: error: {printable(str(error))}", err=True)
     return error.exit_code

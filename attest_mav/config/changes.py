@@ -4,6 +4,7 @@ import tomllib
 from collections.abc import Iterable
 from typing import Any
 
+from attest_mav.config.text import printable
 from attest_mav.errors import UsageError
 
 
@@ -17,8 +18,8 @@ def apply_changes(data: dict[str, Any], changes: Iterable[str]) -> None:
         key, equals, value = change.partition("=")
         names = [name.strip() for name in key.split(".")]
         if not equals or not all(names):
-            raise UsageError(f"--set {change}: expected KEY=VALUE, for example output.rate_hz=50")
-        _table_of(data, names[:-1], change)[names[-1]] = _value(value.strip())
+            raise UsageError(f"--set {printable(change)}: expected KEY=VALUE, for example output.rate_hz=50")
+        _table_of(data, names[:-1], change)[names[-1]] = value_of(value.strip())
 
 
 def _table_of(data: dict[str, Any], names: list[str], change: str) -> dict[str, Any]:
@@ -27,12 +28,12 @@ def _table_of(data: dict[str, Any], names: list[str], change: str) -> dict[str, 
     for name in names:
         inner = table.setdefault(name, {})
         if not isinstance(inner, dict):
-            raise UsageError(f"--set {change}: {name} is no table with keys in it")
+            raise UsageError(f"--set {printable(change)}: {printable(name)} is no table with keys in it")
         table = inner
     return table
 
 
-def _value(text: str) -> Any:
+def value_of(text: str) -> Any:
     """The value of a text as TOML has it; the text itself where it is no TOML value."""
     try:
         found = tomllib.loads(f"value = {text}")

@@ -4,6 +4,7 @@ pymavlink's spellings are understood too: ``udp:`` is ``udpin:``, and a bare dev
 ``/dev/ttyACM0,115200`` is a serial port. No I/O: ``attest_mav.runtime.links.open`` opens links.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -63,6 +64,24 @@ class LinkUrl:
             return f"sim:{self.scenario}" + ("?" + ",".join(self.faults) if self.faults else "")
         host = f"[{self.host}]" if ":" in self.host else self.host
         return f"{self.scheme}:{host}:{self.port}"
+
+
+def first_clash(urls: Sequence[LinkUrl]) -> tuple[int, int, str] | None:
+    """The first two links that want one device or one port of this machine, by their numbers, and what they want."""
+    for other, url in enumerate(urls):
+        for one, before in enumerate(urls[:other]):
+            if url.scheme is not before.scheme:
+                continue
+            if url.scheme is Scheme.SERIAL and url.device == before.device:
+                return one, other, url.device
+            if url.scheme in LISTENERS and 0 != url.port == before.port and _overlap(url.host, before.host):
+                return one, other, f"port {url.port}"
+    return None
+
+
+def _overlap(host: str, other: str) -> bool:
+    """Whether two listeners hear on a common address, as far as that can be told without asking the network."""
+    return host == other or "0.0.0.0" in {host, other} or "::" in {host, other}  # noqa: S104  (compared, not bound)
 
 
 def parse_link(text: str) -> LinkUrl:

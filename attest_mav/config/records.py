@@ -2,20 +2,29 @@
 
 The records are inert: they hold the words and numbers of a user, in a user's units. ``attest_mav.service.assembly``
 makes settings of them. They are the reference: a field's name carries its unit, its type the range, and its default is
-the default. configs/attest-mav.toml explains each key at length, and a test keeps the two alike.
+the default. installation/configs/attest-mav.toml explains each key at length, and a test keeps the two alike.
 """
 
 import tomllib
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import msgspec
 from msgspec import Meta
 
 from attest_mav.config.changes import apply_changes
 from attest_mav.config.filters import FilterConfig
-from attest_mav.config.link_url import LinkUrl, Scheme, parse_link
-from attest_mav.config.text import check_keys, check_no_nan, readable
+from attest_mav.config.link_url import LinkUrl, Scheme, first_clash, parse_link
+from attest_mav.config.text import (
+    LARGEST,
+    SMALLEST,
+    check_keys,
+    check_numbers,
+    has_usual_size,
+    is_number,
+    printable,
+    readable,
+)
 from attest_mav.errors import ConfigError, UsageError
 from attest_mav.mavlink.component.outputs import OUTPUT_NAMES
 from attest_mav.mavlink.constants import INERTIAL_MESSAGES, MAV_COMP_ID_AUTOPILOT1, MAV_COMP_ID_MISSIONPLANNER
@@ -232,16 +241,25 @@ def parse_config(text: str, name: str, changes: Sequence[str] = ()) -> Config:
     changes: values that replace those of the text, each as ``KEY=VALUE``; UsageError for another form.
     """
     try:
-        config = _read(text, name, changes)
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{name}: not valid TOML: {printable(str(error))}") from None
     except RecursionError:
         raise ConfigError(f"{name}: nested too deeply; expected tables with values in them") from None
+    apply_changes(data, changes)
+    config = read_tables(data, name)
+    check_whole(config, name)
+    return config
+
+
+def check_whole(config: Config, name: str) -> None:
+    """ConfigError for values that do not go together; ``name``: where the configuration comes from."""
     _check_links(config, name)
     _check_ids(config.output, name)
     if config.web.listen:
         web_address(config.web.listen, f"{name}: web.listen")
     if (config.raw_imu.accel_mps2 == 0.0) != (config.raw_imu.gyro_radps == 0.0):
         raise ConfigError(f"{name}: raw_imu: accel_mps2 and gyro_radps go together; give both or neither")
-    return config
 
 
 def web_address(text: str, name: str) -> LinkUrl:
@@ -252,21 +270,20 @@ def web_address(text: str, name: str) -> LinkUrl:
         raise ConfigError(f"{name}: expected HOST:PORT, such as 127.0.0.1:8484, got {text!r}") from None
 
 
-def _read(text: str, name: str, changes: Sequence[str]) -> Config:
-    """Text to records; ConfigError. RecursionError when it is nested deeper than Python's stack."""
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"{name}: not valid TOML: {error}") from None
-    apply_changes(data, changes)
+def read_tables(data: dict[str, Any], name: str) -> Config:
+    """Parsed tables to records; ConfigError names the key. ``name``: where the tables come from."""
     try:
         check_keys(data, Config, "")
-        check_no_nan(data, "")
-        return msgspec.convert(data, Config)
+        check_numbers(data, "", is_number, "a number")
+        config = msgspec.convert(data, Config)
+        check_numbers(data, "", has_usual_size, f"0, or a size from {SMALLEST:g} to {LARGEST:g}")
     except msgspec.ValidationError as error:
         raise ConfigError(f"{name}: {readable(str(error), data, Config)}") from None
     except ValueError as error:
         raise ConfigError(f"{name}: {error}") from None
+    except RecursionError:
+        raise ConfigError(f"{name}: nested too deeply; expected tables with values in them") from None
+    return config
 
 
 def _check_links(config: Config, name: str) -> None:
@@ -279,6 +296,10 @@ def _check_links(config: Config, name: str) -> None:
             raise ConfigError(
                 f'{name}: link[{index}].key_file: signing = "{link.signing}" needs a key; name the file that holds it'
             )
+    clash = first_clash([parse_link(link.url) for link in config.link])
+    if clash is not None:
+        one, other, resource = clash
+        raise ConfigError(f"{name}: link[{other}].url: {resource} belongs to link[{one}] already; expected another one")
 
 
 def _check_ids(output: OutputConfig, name: str) -> None:

@@ -3,11 +3,21 @@
 Nothing here knows what is configured; ``attest_mav.config.records`` does.
 """
 
+from collections.abc import Callable
 from difflib import get_close_matches
-from math import isnan
-from typing import Any, Literal, get_args, get_origin
+from math import isinf, isnan
+from typing import Any, Final, Literal, get_args, get_origin
 
 import msgspec
+
+SMALLEST: Final = 1e-15
+LARGEST: Final = 1e15
+"""Sizes of numbers that can be meant: the smallest default of a variance is 1e-5, of a noise 1e-7."""
+
+
+def printable(text: str) -> str:
+    """The text with control characters escaped, so that it cannot move a terminal's cursor or forge a line."""
+    return "".join(letter if letter.isprintable() else letter.encode("unicode_escape").decode() for letter in text)
 
 
 def check_keys(data: dict[str, Any], record: type[msgspec.Struct], where: str) -> None:
@@ -17,7 +27,7 @@ def check_keys(data: dict[str, Any], record: type[msgspec.Struct], where: str) -
         if key not in fields:
             near = get_close_matches(key, fields, n=1)
             hint = f"did you mean {near[0]}?" if near else f"expected one of {', '.join(fields)}"
-            raise ValueError(f"unknown key {where}{key:.60}; {hint}")
+            raise ValueError(f"unknown key {printable(where)}{printable(key):.60}; {hint}")
         inner = _record_in(fields[key])
         if inner is not None and isinstance(value, dict):
             check_keys(value, inner, f"{where}{key}.")
@@ -27,16 +37,26 @@ def check_keys(data: dict[str, Any], record: type[msgspec.Struct], where: str) -
                     check_keys(table, inner, f"{where}{key}[{index}].")
 
 
-def check_no_nan(value: object, where: str) -> None:
-    """ValueError for nan, which TOML can write: no key means it, and a range does not exclude it."""
+def check_numbers(value: object, where: str, is_meant: Callable[[float], bool], expected: str) -> None:
+    """ValueError for a number that cannot be meant, with what was expected in its place."""
     if isinstance(value, dict):
         for key, inner in value.items():
-            check_no_nan(inner, f"{where}.{key}" if where else key)
+            check_numbers(inner, _joined(where, key), is_meant, expected)
     elif isinstance(value, list):
         for index, inner in enumerate(value):
-            check_no_nan(inner, f"{where}[{index}]")
-    elif isinstance(value, float) and isnan(value):
-        raise ValueError(f"{where}: expected a number, got nan")
+            check_numbers(inner, f"{where}[{index}]", is_meant, expected)
+    elif isinstance(value, float) and not is_meant(value):
+        raise ValueError(f"{where}: expected {expected}, got {value!r}")
+
+
+def is_number(value: float) -> bool:
+    """Whether it is no nan, which TOML can write: no key means it, and a range does not exclude it."""
+    return not isnan(value)
+
+
+def has_usual_size(value: float) -> bool:
+    """Whether it is 0, infinite, or of a size that somebody can mean."""
+    return value == 0.0 or isinf(value) or SMALLEST <= abs(value) <= LARGEST
 
 
 def readable(message: str, data: dict[str, Any], record: type[msgspec.Struct]) -> str:
@@ -105,30 +125,49 @@ def _value_at(parts: list[str], data: Any) -> Any:
     return data
 
 
-def to_toml(record: msgspec.Struct) -> str:
-    """The record with all its defaults, as TOML that reads back to the same."""
-    return "\n".join(_table_lines(msgspec.to_builtins(record), "")).strip() + "\n"
+Remark = Callable[[str], str]
+"""What is to be written behind a value, by its full name; "" for nothing."""
 
 
-def _table_lines(table: dict[str, Any], path: str) -> list[str]:
-    """Plain keys first, then tables and arrays of tables under their full names."""
-    plain = [f"{key} = {_value_text(value)}" for key, value in table.items() if not _is_table(value)]
+def to_toml(record: msgspec.Struct, remark: Remark = lambda _name: "") -> str:
+    """The record with all its defaults, as TOML that reads back to the same; remarks become comments."""
+    return "\n".join(_table_lines(msgspec.to_builtins(record), "", "", remark)).strip() + "\n"
+
+
+def _table_lines(table: dict[str, Any], path: str, name: str, remark: Remark) -> list[str]:
+    """Plain keys first, then tables and arrays of tables under their full names.
+
+    path: for the heading, empty inside an array. name: the full name of the table.
+    """
+    plain = [
+        f"{key} = {value_text(value)}{_comment(remark(_joined(name, key)))}"
+        for key, value in table.items()
+        if not _is_table(value)
+    ]
     lines = [f"[{path}]", *plain, ""] if path and plain else plain
     for key, value in table.items():
-        inner = f"{path}.{key}" if path else key
+        inner = _joined(path, key)
         if isinstance(value, dict):
-            lines += _table_lines(value, inner)
+            lines += _table_lines(value, inner, inner, remark)
         elif _is_table(value):
-            for entry in value:
-                lines += [f"[[{inner}]]", *_table_lines(entry, ""), ""]
+            for index, entry in enumerate(value):
+                lines += [f"[[{inner}]]", *_table_lines(entry, "", f"{inner}[{index}]", remark), ""]
     return lines
+
+
+def _joined(path: str, key: str) -> str:
+    return f"{path}.{key}" if path else key
+
+
+def _comment(remark: str) -> str:
+    return f"  # {printable(remark)}" if remark else ""
 
 
 def _is_table(value: object) -> bool:
     return isinstance(value, dict) or (isinstance(value, list | tuple) and any(isinstance(one, dict) for one in value))
 
 
-def _value_text(value: object) -> str:
+def value_text(value: object) -> str:
     """One TOML value: JSON spells strings, numbers, booleans and lists of them alike, but for infinity."""
     if isinstance(value, float):
         return repr(value)

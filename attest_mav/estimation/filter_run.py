@@ -1,7 +1,6 @@
 """The filter of a lane, with its state and its last output."""
 
 from math import atan2, isfinite
-from typing import Final
 
 from attest_mav.algebra import q_continuous, q_heading, q_mul, q_to_euler, rotate, sub
 from attest_mav.estimate import Estimate
@@ -24,11 +23,16 @@ class FilterRun:
         """The last attitude put out."""
         self.aligned = False
         """Whether a filter that aligns itself had an attitude at the last step."""
-        self._as_configured: Final = attitude_filter
+        self._as_configured = attitude_filter
 
     def set_vehicle_settings(self, known: VehicleSettings) -> None:
         """Give the filter the vehicle's settings; those that are not known any more become its own again."""
         self.filter = self._as_configured.with_vehicle_settings(known)
+
+    def use_filter(self, attitude_filter: AttitudeFilter, known: VehicleSettings) -> None:
+        """Go on from the present state with other parameters of the same filter."""
+        self._as_configured = attitude_filter
+        self.set_vehicle_settings(known)
 
     def begin(self, start: Start, stands: bool) -> None:
         """Start the filter, with the still valid parts of an earlier state.

@@ -99,6 +99,10 @@ class Lane:
         """Give the filter the vehicle's settings as they are now; its state goes on."""
         self._run.set_vehicle_settings(self._vehicle.settings)
 
+    def use_filter(self, attitude_filter: AttitudeFilter) -> None:
+        """Go on with other parameters of the same filter."""
+        self._run.use_filter(attitude_filter, self._vehicle.settings)
+
     def handle(self, sample: ImuSample) -> list[Event]:
         """Take the next sample of this source."""
         events: list[Event] = []

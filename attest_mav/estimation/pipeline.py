@@ -90,6 +90,12 @@ class Pipeline:
         self._settings = settings
         self._check.use(settings.verdict)
 
+    def use_filter(self, attitude_filter: AttitudeFilter) -> None:
+        """Go on with other parameters of the same filter, on every lane."""
+        self._filter = attitude_filter
+        for lane in self.lanes.values():
+            lane.use_filter(attitude_filter)
+
     def takes(self, source: str) -> bool:
         """Whether the stream of this name is one of the lanes."""
         return source in self._sources

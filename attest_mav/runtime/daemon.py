@@ -4,11 +4,16 @@ import logging
 import os
 import socket
 import time
+from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
+from attest_mav.config.live import differences, with_live_keys
 from attest_mav.config.records import Config, web_address
+from attest_mav.config.text import printable
+from attest_mav.errors import AttestMavError
 from attest_mav.mavlink.dialect import Dialect, load_dialect
+from attest_mav.runtime.journal import log_as
 from attest_mav.runtime.keys import read_keys
 from attest_mav.runtime.links.base import Link
 from attest_mav.runtime.links.open import open_links
@@ -31,11 +36,17 @@ log = logging.getLogger("attest_mav.daemon")
 
 
 class Daemon:
-    """Opens the links, LinkError when one cannot be had, and runs until SIGINT or SIGTERM."""
+    """Opens the links, LinkError when one cannot be had, and runs until SIGINT or SIGTERM.
 
-    def __init__(self, config: Config, find_field: FieldFinder) -> None:
+    read_again: reads the configuration anew, for SIGHUP; AttestMavError where it cannot be used.
+    """
+
+    def __init__(self, config: Config, find_field: FieldFinder, read_again: Callable[[], Config] | None = None) -> None:
         now_ns = time.monotonic_ns()
-        settings = service_settings(config, read_keys(config.link))
+        self._config = config
+        self._keys: Final = read_keys(config.link)
+        self._read_again: Final = read_again
+        settings = service_settings(config, self._keys)
         dialect = load_dialect()
         self.loop: Final = Loop()
         """Other handlers may be added before ``run``."""
@@ -51,7 +62,8 @@ class Daemon:
             self.loop.add(ServedLink(link, partial(self._receive, number), restarted))
         self.loop.add(Timer(lambda: self.service.due_ns, self._poll))
         self._web: Final = self._web_server(config, now_ns)
-        self.loop.add(Reporter(self.service, self._notifier, self.snapshot, config.log.status_s, now_ns))
+        self._reporter: Final = Reporter(self.service, self._notifier, self.snapshot, config.log.status_s, now_ns)
+        self.loop.add(self._reporter)
 
     def snapshot(self, now_ns: int) -> Snapshot:
         """Everything that may be seen of the daemon, the links' counters included."""
@@ -59,11 +71,42 @@ class Daemon:
         return self.service.snapshot(now_ns, [_traffic(link) for link in self.links], recording)
 
     def run(self, stop: socket.socket) -> None:
-        """Work until ``stop`` becomes readable (see ``stop_signals``); then say goodbye and close."""
+        """Work until ``stop`` becomes readable (see ``stop_signals``); then say goodbye and close.
+
+        SIGHUP lets it read its configuration again.
+        """
         try:
-            self.loop.run(stop)
+            self.loop.run(stop, self._reload)
         finally:
             self._end()
+
+    def _reload(self, now_ns: int) -> None:
+        """Read the configuration again; one that cannot be used changes nothing, and the log says why."""
+        if self._read_again is None:
+            log.info("SIGHUP: there is no configuration to be read again")
+            return
+        self._notifier.reloading(now_ns)
+        try:
+            self._use(self._read_again())
+        except AttestMavError as error:
+            log.error("reload: %s; the configuration in force stays", printable(str(error)))  # noqa: TRY400  (no traceback for users)
+        self._notifier.ready()
+
+    def _use(self, wanted: Config) -> None:
+        """Put in force what can change while the daemon runs, and name the keys that need a new start."""
+        config = with_live_keys(self._config, wanted)
+        changed, left = differences(self._config, config), differences(config, wanted)
+        self.service.use(service_settings(config, self._keys))
+        log_as(config.log.level, config.log.format)
+        if config.log.status_s != self._config.log.status_s:
+            self._reporter.report_every(config.log.status_s)
+        self._config = config
+        for key, (before, now) in changed.items():
+            log.info("reload: %s = %s (was %s)", key, now or "absent", before or "absent")
+        for key, (before, now) in left.items():
+            log.warning("reload: %s = %s needs a restart; %s stays", key, now or "absent", before or "absent")
+        if not changed and not left:
+            log.info("reload: nothing has changed")
 
     def _state_keeper(self, config: Config, now_ns: int) -> StateKeeper | None:
         """The keeper of the state on disk, None where nothing must be kept."""

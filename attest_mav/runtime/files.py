@@ -90,6 +90,17 @@ def read_config(path: str | Path) -> str:
         raise ConfigError(f"{path}: not UTF-8 text at byte {error.start}; expected TOML") from None
 
 
+def drop_ins(path: str | Path) -> list[Path]:
+    """The files ``*.toml`` of the folder of drop-ins beside a configuration, NAME.conf.d, in the order of names."""
+    folder = Path(path).with_suffix(".conf.d")
+    try:
+        return sorted(one for one in folder.iterdir() if one.suffix == ".toml")
+    except (FileNotFoundError, NotADirectoryError):
+        return []
+    except OSError as error:
+        raise ConfigError(f"cannot read the folder {folder}: {reason_of(error)}") from None
+
+
 @contextmanager
 def atomic_write(path: str | Path) -> Iterator[IO[bytes]]:
     """A file object whose contents appear under ``path`` when the block ends well, and not at all when it does not.

@@ -114,9 +114,19 @@ def log_to_stderr(level: str, form: str = "text") -> None:
     form: "text" for people, "json" for programs.
     """
     logger = logging.getLogger("attest_mav")
-    logger.handlers[:] = [_formatted(_handler(), form)]
-    logger.setLevel(level.upper())
+    handler = _handler()
+    handler.addFilter(FloodFilter())
+    logger.handlers[:] = [handler]
     logger.propagate = False
+    log_as(level, form)
+
+
+def log_as(level: str, form: str) -> None:
+    """Write lines of this level and above in this form from now on."""
+    logger = logging.getLogger("attest_mav")
+    logger.setLevel(level.upper())
+    for handler in logger.handlers:
+        handler.setFormatter(_formatter(form))
 
 
 def _handler() -> logging.Handler:
@@ -127,10 +137,8 @@ def _handler() -> logging.Handler:
     return ThreadedHandler(fd)
 
 
-def _formatted(handler: logging.Handler, form: str) -> logging.Handler:
+def _formatter(form: str) -> logging.Formatter:
     is_journal = "JOURNAL_STREAM" in os.environ  # set by systemd where stderr goes to the journal
     timed = logging.Formatter("%(message)s" if is_journal else "%(asctime)s %(message)s", "%H:%M:%S")
     formatter = _JsonFormatter() if form == "json" else timed
-    handler.setFormatter(_JournalFormatter(formatter) if is_journal else formatter)
-    handler.addFilter(FloodFilter())
-    return handler
+    return _JournalFormatter(formatter) if is_journal else formatter

@@ -5,6 +5,7 @@ ready or a deadline has come, then calls the handlers that are meant, first of d
 """
 
 import selectors
+import signal
 import socket
 import time
 from collections.abc import Callable
@@ -15,6 +16,10 @@ WRITE: Final = selectors.EVENT_WRITE
 
 LONGEST_WAIT_S: Final = 3600.0
 """One wait of the selector, s: the system call takes milliseconds in 32 bits."""
+
+
+SIGNALS_AT_ONCE: Final = 64
+"""Signals that are taken in one turn."""
 
 
 class Watch(NamedTuple):
@@ -89,9 +94,12 @@ class Loop:
         """End ``run`` before the next handler is called."""
         self._stopped = True
 
-    def run(self, stop: socket.socket) -> None:
-        """Serve until ``stop`` becomes readable (see ``stop_signals``) or ``stop()`` is called."""
-        self.add(_StopHandler(stop, self))
+    def run(self, stop: socket.socket, hang_up: Callable[[int], None] | None = None) -> None:
+        """Serve until ``stop`` becomes readable (see ``stop_signals``) or ``stop()`` is called.
+
+        hang_up: is called for SIGHUP instead.
+        """
+        self.add(_SignalHandler(stop, self, hang_up))
         while not self._stopped:
             self._turn()
 
@@ -146,16 +154,22 @@ class Loop:
         self._watched = wanted
 
 
-class _StopHandler(Handler):
-    """Stops the loop when a socket becomes readable."""
+class _SignalHandler(Handler):
+    """Stops the loop when a socket becomes readable, unless all that comes is SIGHUP and there is a use for that."""
 
-    def __init__(self, stop: socket.socket, loop: Loop) -> None:
-        self._watch: Final = Watch(stop.fileno(), 0, READ)
+    def __init__(self, signals: socket.socket, loop: Loop, hang_up: Callable[[int], None] | None) -> None:
+        self._watch: Final = Watch(signals.fileno(), 0, READ)
+        self._signals: Final = signals
         self._loop: Final = loop
+        self._hang_up: Final = hang_up
 
     @property
     def watch(self) -> Watch | None:
         return self._watch
 
     def readable(self, now_ns: int) -> None:
-        self._loop.stop()
+        numbers = self._signals.recv(SIGNALS_AT_ONCE) if self._hang_up is not None else b""
+        if self._hang_up is None or set(numbers) != {signal.SIGHUP}:
+            self._loop.stop()
+        else:
+            self._hang_up(now_ns)

@@ -25,16 +25,20 @@ class Notifier:
         self.watchdog_ns = _watchdog_ns(environment)
 
     def ready(self) -> None:
-        """READY=1: the first valid estimate is there."""
+        """READY=1: the links are open and the loop runs, at the start or with a configuration read again."""
         self._send("READY=1")
 
     def alive(self) -> None:
-        """WATCHDOG=1: estimates are fresh."""
+        """WATCHDOG=1: the loop runs, and the samples that come are filtered."""
         self._send("WATCHDOG=1")
 
     def status(self, text: str) -> None:
         """One line for ``systemctl status``."""
         self._send("STATUS=" + text.replace("\n", " "))
+
+    def reloading(self, now_ns: int) -> None:
+        """RELOADING=1: the configuration is read again since ``now_ns`` of the monotonic clock."""
+        self._send(f"RELOADING=1\nMONOTONIC_USEC={now_ns // 1000}")
 
     def stopping(self) -> None:
         """STOPPING=1: the daemon is about to end."""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 from attest_mav.estimate import Estimate
 from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind, Verdict
-from attest_mav.estimation.pipeline import Pipeline
+from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.estimation.vehicle import Vehicle
 from attest_mav.mavlink.component.companion import Companion
 from attest_mav.mavlink.component.notes import Note
@@ -222,6 +222,23 @@ class Service:
             recording=recording,
         )
 
+    def use(self, settings: ServiceSettings) -> None:
+        """Publish, filter and judge by other settings from now on: those of the same filter on the same links.
+
+        A parameter of ours that a station has set stays as it was set.
+        """
+        parameters = self._companion.own_parameters
+        parameters.configure(settings.companion.parameters)
+        pipeline = retuned(settings.pipeline, parameters) if parameters.table else settings.pipeline
+        self._settings = replace(settings, pipeline=pipeline)
+        hz = parameters.value(RATE.name) if parameters.table else settings.companion.publish_hz
+        for port, port_settings in zip(self._companion.ports, settings.ports, strict=True):
+            port.use(port_settings, hz)
+        if self._pipeline is not None:
+            self._pipeline.use_filter(settings.attitude_filter)
+        self._use_pipeline_settings(pipeline)
+        self.due_ns = 0
+
     def _take(self, sample: Sample, now_ns: int) -> None:
         if isinstance(sample, ImuSample):
             if not self._companion.imu_taken(sample.source, sample.t_ns, now_ns):
@@ -265,11 +282,14 @@ class Service:
             return
         settings = retuned(self._settings.pipeline, parameters)
         self._settings = replace(self._settings, pipeline=settings)
+        self._use_pipeline_settings(settings)
+        for port in self._companion.ports:
+            port.set_rate(parameters.value(RATE.name))
+
+    def _use_pipeline_settings(self, settings: PipelineSettings) -> None:
         self._publisher.limit(settings.max_sigma)
         if self._pipeline is not None:
             self._pipeline.use(settings)
-        for port in self._companion.ports:
-            port.set_rate(parameters.value(RATE.name))
 
     def _is_served(self, source: str) -> bool:
         """Whether the pipeline has a lane for this message, or an estimate of another sensor."""

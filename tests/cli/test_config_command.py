@@ -1,3 +1,4 @@
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -6,7 +7,7 @@ from click.testing import CliRunner
 from attest_mav.cli.config import command
 from attest_mav.errors import ConfigError
 
-CONFIGS = Path(__file__).parent.parent.parent / "configs"
+CONFIGS = Path(__file__).parents[2] / "attest_mav" / "installation" / "configs"
 
 
 def run(*arguments):
@@ -49,8 +50,38 @@ def test_what_show_prints_passes_check_and_shows_the_same(tmp_path, source):
     assert shown.exit_code == 0
     path = tmp_path / "shown.toml"
     path.write_text(shown.output)
-    assert run("check", str(path)).exit_code == 0
-    assert run("show", str(path)).output == shown.output
+    if source is not None:
+        assert run("check", str(path)).exit_code == 0
+    again = run("show", str(path)).output
+    assert tomllib.loads(again) == tomllib.loads(shown.output)
+    assert "# default" not in again, "every value stands in the file"
+    assert again.count(f"  # {path}\n") == shown.output.count("  # ")
+
+
+def test_the_origin_of_each_value_is_shown(tmp_path, monkeypatch):
+    path = tmp_path / "a.toml"
+    path.write_text("[output]\nrate_hz = 5\n[log]\nstatus_s = 2\n")
+    (tmp_path / "a.conf.d").mkdir()
+    for number in (2, 1):
+        (tmp_path / "a.conf.d" / f"{number}.toml").write_text(f"[log]\nstatus_s = {number}\n")
+    (tmp_path / "a.conf.d" / "README").write_text("no TOML")
+    monkeypatch.setenv("ATTEST_MAV__VERDICT__HOLD_S", "2")
+    lines = run("show", str(path), "--set", "output.rate_hz=6").output.split("\n")
+    assert "rate_hz = 6.0  # --set" in lines
+    assert f"status_s = 2.0  # {tmp_path}/a.conf.d/2.toml" in lines
+    assert "hold_s = 2.0  # ATTEST_MAV__VERDICT__HOLD_S" in lines
+    assert "component_id = 193  # default" in lines
+
+
+def test_check_warns_and_says_what_run_would_meet(tmp_path):
+    path = tmp_path / "a.toml"
+    path.write_text("[[link]]\nurl = 'serial:/dev/ttyS0:912600'\n")
+    done = run("check", str(path))
+    assert done.exit_code == 0
+    assert f"{path}: warning: link[0].url: baud rate 912600 is unusual; is 921600 meant?\n" in done.stderr
+    path.write_text("[output]\nrate_hz = 5\n")
+    with pytest.raises(ConfigError, match=r"a\.toml: no link: write a \[\[link\]\]"):
+        run("check", str(path))
 
 
 @pytest.mark.parametrize(

@@ -19,6 +19,11 @@ def run():
     return invoke
 
 
+def test_without_numpy_the_command_to_give_is_said(run, monkeypatch):
+    monkeypatch.setattr("attest_mav.cli.evaluate.find_spec", lambda _name: None)
+    assert "pip install numpy" in str(run("P1-f").exception)
+
+
 def test_json_is_a_list_of_records(run):
     result = run("P1-f", "--runs", "20", "--seed", "9", "--json")
     assert result.exit_code == 0, result.output

@@ -15,7 +15,7 @@ PAGES = [REPOSITORY / "README.md", REPOSITORY / "CHANGELOG.md", *sorted((REPOSIT
 LONGEST_LINE = 119
 
 LINK = re.compile(r"\]\(([^)#:]+)?(?:#([^)]+))?\)")
-PLACE = re.compile(r"`((?:attest_mav|docs|tools|tests|configs|examples|systemd)/[\w./-]+)`")
+PLACE = re.compile(r"`((?:attest_mav|docs|tools|tests|configs|examples)/[\w./-]+)`")
 COMMAND = re.compile(r"(?:^    |`)[\w./]*attest-mav (\w+)([^`\n]*)", re.MULTILINE)
 
 

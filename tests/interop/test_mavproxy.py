@@ -48,7 +48,7 @@ def test_as_client_it_receives_our_attitude_and_takes_us_for_no_vehicle(start, m
     vehicle_port, client_port = daemon.wait_for(LISTENING)[1], daemon.wait_for(LISTENING)[1]
     proxy = mavproxy(f"--master=udpout:127.0.0.1:{client_port}", "--cmd=watch ATTITUDE_QUATERNION")
     start("sim", "--link", f"udpout:127.0.0.1:{vehicle_port}", "--scenario", "hover")
-    daemon.wait_for("ready")
+    daemon.wait_for("the first estimate is there")
     proxy.wait_for(r"ATTITUDE_QUATERNION \{time_boot_ms : \d+")
     assert not any("online system" in line for line in proxy.lines)
     assert daemon.end() == 0
@@ -61,7 +61,7 @@ def test_as_hub_that_sets_its_own_rates_it_leaves_us_45_hz(start, mavproxy, tmp_
     daemon = start("run", "--config", status_file(tmp_path, ["udpin:127.0.0.1:0"]))
     port = daemon.wait_for(LISTENING)[1]
     mavproxy(f"--master=tcp:127.0.0.1:{vehicle_port}", f"--out=udpout:127.0.0.1:{port}")
-    daemon.wait_for("ready")
+    daemon.wait_for("the first estimate is there")
     daemon.wait_for("RAW_IMU arrives at .* asking again")
     daemon.wait_for("another program on this link lowers the rate")
     measured, lines = rates(daemon, 15)
@@ -75,7 +75,7 @@ def test_beside_us_on_one_link_neither_disturbs_the_other(start, mavproxy, hub, 
     daemon = start("run", "--config", status_file(tmp_path, [f"udpout:127.0.0.1:{hub.port}"]))
     proxy = mavproxy(f"--master=udpout:127.0.0.1:{hub.port}", "--streamrate=-1")
     start("sim", "--link", f"udpout:127.0.0.1:{hub.port}", "--scenario", "square")
-    daemon.wait_for("ready")
+    daemon.wait_for("the first estimate is there")
     proxy.wait_for(r"Detected vehicle 1:1 on link 0")
     daemon.wait_for("held back on udpout:127")
     measured, _ = rates(daemon, 5)

@@ -52,7 +52,7 @@ def test_mavsdk_receives_our_attitude(start, ground_station):
     daemon = start("run", "--link", "udpin:127.0.0.1:0", "--link", "udpin:127.0.0.1:0")
     vehicle_port, client_port = daemon.wait_for(LISTENING)[1], daemon.wait_for(LISTENING)[1]
     start("sim", "--link", f"udpout:127.0.0.1:{vehicle_port}", "--scenario", "still", "--seed", str(SEED))
-    daemon.wait_for("ready")
+    daemon.wait_for("the first estimate is there")
 
     result = ground_station.add_any_connection(f"udpout://127.0.0.1:{client_port}")
     assert result == mavsdk.ConnectionResult.SUCCESS
@@ -83,7 +83,7 @@ def shared_link(start, hub, tmp_path, extra=""):
     config.write_text(f"[[link]]\nurl = 'udpout:127.0.0.1:{hub.port}'\n{extra}[log]\nstatus_s = 0.5\n")
     daemon = start("run", "--config", str(config))
     start("sim", "--link", f"udpout:127.0.0.1:{hub.port}", "--scenario", "still", "--seed", str(SEED))
-    daemon.wait_for("ready")
+    daemon.wait_for("the first estimate is there")
     return daemon
 
 

@@ -29,7 +29,7 @@ def connect(monkeypatch):
 def test_an_old_client_hears_us_and_its_commands_are_answered(start, connect, version):
     daemon = start("run", "--link", "sim:still", "--link", "udpin:127.0.0.1:0")
     client = connect(daemon.wait_for(LISTENING)[1], version)
-    daemon.wait_for("ready")
+    daemon.wait_for("the first estimate is there")
     assert client.mav.protocol_marker == (253 if version == "2" else 254)
     client.mav.heartbeat_send(6, 8, 0, 0, 4)
     beat = client.wait_heartbeat(timeout=PATIENCE_S)

@@ -113,7 +113,7 @@ def test_a_foreign_client_and_a_timer_live_on_the_daemons_loop(observer, caplog,
     assert sum(one.component == 1 for one in frames) > 100
     assert sum(one.component == 193 for one in frames) > 5
     assert observer.of_type("HEARTBEAT")[-1].system_status == mavlink.MAV_STATE_POWEROFF
-    assert "ready: the first estimate is there" in caplog.messages
+    assert "the first estimate is there" in caplog.messages
     assert any(text.startswith("using RAW_IMU with the filter velocity-aided") for text in caplog.messages)
 
 

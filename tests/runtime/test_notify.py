@@ -22,10 +22,17 @@ def test_messages_arrive_as_systemd_wants_them(systemd):
     notifier.ready()
     notifier.alive()
     notifier.status("two\nlines")
+    notifier.reloading(1_234_567_891)
     notifier.stopping()
     notifier.close()
     notifier.ready()
-    assert [server.recv(100) for _ in range(4)] == [b"READY=1", b"WATCHDOG=1", b"STATUS=two lines", b"STOPPING=1"]
+    assert [server.recv(100) for _ in range(5)] == [
+        b"READY=1",
+        b"WATCHDOG=1",
+        b"STATUS=two lines",
+        b"RELOADING=1\nMONOTONIC_USEC=1234567",
+        b"STOPPING=1",
+    ]
 
 
 def test_without_a_socket_nothing_happens():

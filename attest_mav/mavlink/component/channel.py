@@ -34,11 +34,12 @@ class Channel:
     def __init__(self, output: Output, settings: PortSettings, hz: float) -> None:
         self.output: Final = output
         self.schedule = _schedule(output, settings, hz)
-        self._settings: Final = settings
+        self._settings = settings
         self._substitute = _substitute(output, settings, hz)
 
-    def set_rate(self, hz: float) -> None:
-        """Send at another rate of our own from now on, Hz; an interval that a station has set stays."""
+    def use(self, settings: PortSettings, hz: float) -> None:
+        """Send by other settings and at another rate of our own from now on, Hz; a station's interval stays."""
+        self._settings = settings
         interval = self.schedule.interval
         self.schedule = _schedule(self.output, self._settings, hz)
         self._substitute = _substitute(self.output, self._settings, hz)

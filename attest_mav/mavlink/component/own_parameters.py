@@ -62,7 +62,7 @@ class OwnParameters:
         """Whether the vehicle is armed: most parameters cannot be set then."""
         self.changes: Final[dict[str, ParameterChange]] = {}
         """The values that were set, by name."""
-        self._configured: Final = dict(configured)
+        self._configured = dict(configured)
         self._notebook: Final = notebook
         self._lines: Final = LineLimit(10)
         self._is_changed = False
@@ -71,6 +71,12 @@ class OwnParameters:
         """The value in force."""
         change = self.changes.get(name)
         return self._configured[name] if change is None else change.value
+
+    def configure(self, configured: Mapping[str, float]) -> None:
+        """Take other configured values of the same parameters; a value that somebody has set stays in force."""
+        before = {one.name: self.value(one.name) for one in self.table}
+        self._configured = {one.name: configured[one.name] for one in self.table}
+        self._is_changed |= any(self.value(name) != value for name, value in before.items())
 
     def find(self, name: str) -> int:
         """The index of the parameter with this name, -1 for none."""

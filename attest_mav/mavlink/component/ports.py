@@ -7,7 +7,7 @@ from attest_mav.mavlink.component.encoder import Encoder, Signer
 from attest_mav.mavlink.component.line_limit import LineLimit
 from attest_mav.mavlink.component.notes import Notebook
 from attest_mav.mavlink.component.onboard import OnboardWatch
-from attest_mav.mavlink.component.outputs import SUBSTITUTE, TEXTS, Publication, is_sound
+from attest_mav.mavlink.component.outputs import SUBSTITUTE, TEXTS, Output, Publication, is_sound
 from attest_mav.mavlink.component.schedule import Station
 from attest_mav.mavlink.component.stream import StreamRequest
 from attest_mav.mavlink.component.timesync import AnswerLimit, TimeQuestion
@@ -35,21 +35,12 @@ class Port:
         notes: Notebook,
     ) -> None:
         self.name: Final = name
-        self.settings: Final = settings
+        self.settings = settings
         self.encoder = Encoder(dialect, system, component)
         self.attitudes_sent = 0
         """Estimates published so far, each counted once in whichever forms; those sent on request are not counted."""
-        self._channels: Final[dict[int, Channel]] = {
-            dialect.id_of(output.message): Channel(output, settings, hz)
-            for output in settings.outputs
-            if not output.with_heartbeat and (output.name in settings.publish or not output.only_configured)
-        }
-        published = [output for output in settings.outputs if output.name in settings.publish]
-        self._beside_heartbeat: Final = [output for output in published if output.with_heartbeat]
-        misleading = [output for output in published if output.misleads]
-        self._misleading: Final = ", ".join([output.message for output in misleading])
-        self._misled: Final = ", ".join(dict.fromkeys([output.misleads for output in misleading]))
-        self._sends_texts: Final = TEXTS in settings.publish
+        self._channels: dict[int, Channel] = {}
+        self._published: list[Output] = []
         self._text_id = 0
         self._dialect: Final = dialect
         self._notes: Final = notes
@@ -59,6 +50,24 @@ class Port:
         self._stations: Final = OnboardWatch()
         self._lines: Final = LineLimit()
         self._time_limit: Final = AnswerLimit()
+        self.use(settings, hz)
+
+    def use(self, settings: PortSettings, hz: float) -> None:
+        """Send by other settings from now on, the attitude at ``hz``; signatures and stations' intervals stay."""
+        self.settings = settings
+        self._published = [output for output in settings.outputs if output.name in settings.publish]
+        channels: dict[int, Channel] = {}
+        for output in settings.outputs:
+            message_id = self._dialect.id_of(output.message)
+            if output.with_heartbeat or (output.only_configured and output not in self._published):
+                continue
+            channel = self._channels.get(message_id)
+            if channel is None:
+                channel = Channel(output, settings, hz)
+            else:
+                channel.use(settings, hz)
+            channels[message_id] = channel
+        self._channels = channels
 
     def take(self) -> list[bytes]:
         """The frames to write, oldest first; each is handed out once."""
@@ -104,22 +113,31 @@ class Port:
 
     def onboard_heard(self, component: int, now_ns: int) -> None:
         """Another onboard computer of the vehicle is heard: it may take our attitude for the autopilot's."""
-        if self._misleading and self.settings.yields and self._onboard.heard(component, now_ns):
+        if self._misleading() and self.settings.yields and self._onboard.heard(component, now_ns):
             self._tell_held(f"component {component} is an onboard computer too", "yield_to_onboard", now_ns)
 
     def ground_station_heard(self, component: int, now_ns: int) -> None:
         """A ground station is heard beside the vehicle: it may do the same."""
-        if self._misleading and self.settings.yields_to_stations and self._stations.heard(component, now_ns):
+        if self._misleading() and self.settings.yields_to_stations and self._stations.heard(component, now_ns):
             self._tell_held(f"component {component} is a ground station here too", "yield_to_stations", now_ns)
 
     def _tell_held(self, cause: str, key: str, now_ns: int) -> None:
-        text = f"{self._misleading} is held back: {cause} ({self._misled} would take ours for the autopilot's)"
+        misled = ", ".join(dict.fromkeys([output.misleads for output in self._misleading()]))
+        text = f"{self._misleading_names()} is held back: {cause} ({misled} would take ours for the autopilot's)"
         self._note(key, f"{text}; {SUBSTITUTE} goes out instead; see {key}", now_ns)
+
+    def _misleading(self) -> list[Output]:
+        """The published outputs that can be taken for the autopilot's own."""
+        return [output for output in self._published if output.misleads]
+
+    def _misleading_names(self) -> str:
+        return ", ".join([output.message for output in self._misleading()])
 
     @property
     def held_for(self) -> int:
         """Component for which outputs that can be taken for the autopilot's own are held back, 0 for none."""
-        return self._onboard.component or self._stations.component
+        onboard = self._onboard.component if self.settings.yields else 0
+        return onboard or (self._stations.component if self.settings.yields_to_stations else 0)
 
     def station_heard(self, system: int, component: int, now_ns: int) -> None:
         """A station is heard: intervals that it has set may go on."""
@@ -131,9 +149,11 @@ class Port:
     def poll(self, now_ns: int) -> None:
         """End the intervals that others have set when their time has come, and what is held back likewise."""
         if self._onboard.left(now_ns):
-            self._note("onboard-end", f"the other onboard computer is gone; {self._misleading} is sent again", now_ns)
+            self._note(
+                "onboard-end", f"the other onboard computer is gone; {self._misleading_names()} is sent again", now_ns
+            )
         if self._stations.left(now_ns):
-            self._note("station-end", f"the ground station is gone; {self._misleading} is sent again", now_ns)
+            self._note("station-end", f"the ground station is gone; {self._misleading_names()} is sent again", now_ns)
         for channel in self._channels.values():
             schedule = channel.schedule
             reason = "" if schedule.interval is None else schedule.interval.ended(now_ns)
@@ -161,7 +181,7 @@ class Port:
     def set_rate(self, hz: float) -> None:
         """Send the attitude at this rate from now on, Hz."""
         for channel in self._channels.values():
-            channel.set_rate(hz)
+            channel.use(self.settings, hz)
 
     def publish(self, publication: Publication) -> None:
         """Send the estimate in the forms and at the rates of this link."""
@@ -178,13 +198,13 @@ class Port:
 
     def publish_beside_heartbeat(self, publication: Publication) -> None:
         """Send the outputs of this link that go with the heartbeat."""
-        for output in self._beside_heartbeat:
-            if publication.confidence >= output.least:
+        for output in self._published:
+            if output.with_heartbeat and publication.confidence >= output.least:
                 self._out += output.frames(self.encoder, publication)
 
     def say(self, severity: int, text: str) -> None:
         """Send a text for people with this MAV_SEVERITY, on a link that carries texts."""
-        if self._sends_texts:
+        if TEXTS in self.settings.publish:
             self._text_id = self._text_id % LAST_TEXT_ID + 1
             self._out += self.encoder.statustexts(severity, text, self._text_id)
 

@@ -88,6 +88,8 @@ class SerialLink(Link):
         """See ``Link``."""
         if self.port is not None:
             try:
+                # The lock of a pseudo-terminal would outlast us, as its other end is still open.
+                fcntl.ioctl(self.port.fileno(), termios.TIOCNXCL)
                 self.port.close()
             except (OSError, termios.error):  # it is gone already
                 log.debug("%s: closing failed", self.url)

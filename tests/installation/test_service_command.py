@@ -1,0 +1,137 @@
+"""``attest-mav service``: files below a prefix, put in place and taken away."""
+
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from attest_mav.cli.service import command
+from attest_mav.errors import UnwritableError, UsageError
+from attest_mav.installation import machine, plan
+
+UNIT = "etc/systemd/system/attest-mav.service"
+CONFIGURATION = "etc/attest-mav/attest-mav.toml"
+
+
+@pytest.fixture(autouse=True)
+def program(monkeypatch):
+    monkeypatch.setattr("attest_mav.cli.service.program_path", lambda: "/opt/attest-mav/bin/attest-mav")
+    monkeypatch.setattr("attest_mav.cli.service.systemd_version", lambda: 255)
+
+
+def run(*arguments):
+    done = CliRunner().invoke(command, arguments, catch_exceptions=False)
+    assert done.exit_code == 0
+    return done.output
+
+
+def files(folder):
+    return sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
+
+
+def test_installing_writes_what_uninstalling_takes_away(tmp_path):
+    said = run("install", "--prefix", str(tmp_path))
+    assert "systemctl enable --now attest-mav\n" in said
+    assert files(tmp_path) == [
+        CONFIGURATION,
+        "etc/systemd/system/attest-mav.service",
+        "etc/systemd/system/attest-mav.service.d/systemd-254.conf",
+        "etc/systemd/system/attest-mav@.service",
+        "etc/systemd/system/attest-mav@.service.d/systemd-254.conf",
+        "etc/sysusers.d/attest-mav.conf",
+        "etc/udev/rules.d/65-attest-mav.rules",
+    ]
+    assert "ExecStart=/opt/attest-mav/bin/attest-mav run" in (tmp_path / UNIT).read_text()
+    assert "unchanged" in run("install", "--prefix", str(tmp_path))
+    assert "userdel" in run("uninstall", "--prefix", str(tmp_path))
+    assert files(tmp_path) == []
+    assert not (tmp_path / "etc/attest-mav").exists()
+    assert not (tmp_path / "etc/systemd/system/attest-mav.service.d").exists()
+
+
+def test_a_configuration_that_was_changed_is_never_overwritten_and_goes_only_with_purge(tmp_path):
+    run("install", "--prefix", str(tmp_path))
+    (tmp_path / CONFIGURATION).write_text("# mine\n")
+    (tmp_path / UNIT).write_text(plan.MADE_BY_US + ", by an older version\n")
+    said = run("install", "--prefix", str(tmp_path), "--example", "sitl")
+    assert f"kept        {tmp_path / CONFIGURATION}" in said
+    assert f"overwritten {tmp_path / UNIT}" in said
+    run("uninstall", "--prefix", str(tmp_path))
+    assert files(tmp_path) == [CONFIGURATION]
+    assert (tmp_path / CONFIGURATION).read_text() == "# mine\n"
+    run("uninstall", "--prefix", str(tmp_path), "--purge")
+    assert files(tmp_path) == []
+
+
+def test_a_dry_run_says_the_same_and_does_nothing(tmp_path):
+    said = run("install", "--prefix", str(tmp_path), "--dry-run")
+    assert files(tmp_path) == []
+    assert said == run("install", "--prefix", str(tmp_path))
+    before = files(tmp_path)
+    assert f"removed     {tmp_path / UNIT}" in run("uninstall", "--prefix", str(tmp_path), "--dry-run")
+    assert files(tmp_path) == before
+
+
+def test_a_unit_of_somebody_else_is_left_alone(tmp_path):
+    (tmp_path / UNIT).parent.mkdir(parents=True)
+    (tmp_path / UNIT).write_text("[Service]\n")
+    with pytest.raises(UnwritableError, match="not made by attest-mav"):
+        run("install", "--prefix", str(tmp_path))
+    assert f"kept        {tmp_path / UNIT}" in run("uninstall", "--prefix", str(tmp_path))
+    assert (tmp_path / UNIT).read_text() == "[Service]\n"
+
+
+def test_the_users_drop_ins_survive(tmp_path):
+    run("install", "--prefix", str(tmp_path))
+    mine = tmp_path / (UNIT + ".d") / "override.conf"
+    mine.write_text("[Service]\n")
+    run("uninstall", "--prefix", str(tmp_path))
+    assert files(tmp_path) == [str(mine.relative_to(tmp_path))]
+
+
+def test_a_service_that_is_enabled_is_not_torn_out(tmp_path):
+    run("install", "--prefix", str(tmp_path))
+    wants = tmp_path / "etc/systemd/system/multi-user.target.wants"
+    wants.mkdir()
+    (wants / "attest-mav@two.service").symlink_to("/etc/systemd/system/attest-mav@.service")
+    with pytest.raises(UsageError, match=r"systemctl disable --now attest-mav@two\.service"):
+        run("uninstall", "--prefix", str(tmp_path))
+
+
+def test_without_root_the_command_to_give_is_said(monkeypatch):
+    monkeypatch.setattr("os.geteuid", lambda: 1000)
+    for name in ("install", "uninstall"):
+        with pytest.raises(UsageError, match=f"sudo /opt/attest-mav/bin/attest-mav service {name}; --dry-run"):
+            run(name)
+
+
+def test_a_machine_without_systemd_is_said(monkeypatch):
+    monkeypatch.setattr("attest_mav.cli.service.systemd_version", lambda: None)
+    with pytest.raises(UsageError, match="not run by systemd"):
+        run("install", "--dry-run")
+
+
+@pytest.mark.parametrize(
+    ("program", "said"),
+    [
+        ("/home/pi/.local/bin/attest-mav", "cannot start a program below /home/"),
+        ("/root/venv/bin/attest-mav", "pipx install --global"),
+        ("/opt/my tools/attest-mav", "cannot name this path"),
+    ],
+)
+def test_a_program_that_the_unit_could_not_start_is_refused(program, said):
+    with pytest.raises(UsageError, match=said):
+        list(plan.planned_files(program, 252, "sitl"))
+
+
+def test_an_example_that_does_not_exist_is_named_with_the_others(tmp_path):
+    with pytest.raises(UsageError, match="no example 'stil'; expected one of ardupilot-serial, attest-mav"):
+        run("install", "--prefix", str(tmp_path), "--example", "stil")
+
+
+def test_the_program_is_the_one_of_this_python(monkeypatch, tmp_path):
+    monkeypatch.setattr("sysconfig.get_path", lambda _name: str(tmp_path))
+    with pytest.raises(UsageError, match="no such program"):
+        machine.program_path()
+    Path(tmp_path / "attest-mav").touch()
+    assert machine.program_path() == f"{tmp_path}/attest-mav"
