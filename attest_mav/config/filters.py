@@ -1,7 +1,7 @@
 """The parameters of each filter as they are configured: one record a filter, checked, with the filter's own defaults.
 
 Where a parameter may be infinite, its range has no upper end. The meaning of each stands beside it in
-installation/configs/attest-mav.toml and, with its equation, in the filter's own docstring.
+configs/attest-mav.toml and, with its equation, in the filter's own docstring.
 """
 
 from math import cos, radians, sin

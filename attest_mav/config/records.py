@@ -2,7 +2,7 @@
 
 The records are inert: they hold the words and numbers of a user, in a user's units. ``attest_mav.service.assembly``
 makes settings of them. They are the reference: a field's name carries its unit, its type the range, and its default is
-the default. installation/configs/attest-mav.toml explains each key at length, and a test keeps the two alike.
+the default. configs/attest-mav.toml explains each key at length, and a test keeps the two alike.
 """
 
 import tomllib

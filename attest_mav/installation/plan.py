@@ -18,6 +18,22 @@ HIDDEN: Final = ("/home/", "/root/", "/run/user/", "/tmp/", "/var/tmp/")  # noqa
 """Folders that the unit hides from the daemon, so that a program in them cannot be started."""
 
 
+BY_HAND: Final = """\
+# An installation by hand: found in a virtual environment under /opt/attest-mav, or wherever else it is for all users.
+Environment=PATH=/opt/attest-mav/bin:/usr/local/bin:/usr/bin:/bin
+ExecStart=/usr/bin/env attest-mav run"""
+"""The lines of the unit as it is shipped that find the program; an installation knows where it is."""
+TEMPLATE: Final = {
+    "`systemctl edit attest-mav`": "`systemctl edit attest-mav@NAME`",
+    "a MAVLink vehicle": "a MAVLink vehicle (%i)",
+    "/etc/attest-mav/attest-mav.toml": "/etc/attest-mav/%i.toml",
+    "/etc/default/attest-mav": "/etc/default/%i",
+    "SyslogIdentifier=attest-mav": "SyslogIdentifier=attest-mav@%i",
+    "StateDirectory=attest-mav": "StateDirectory=attest-mav/%i",
+}
+"""The lines of the unit that differ in the template for several vehicles."""
+
+
 class Owner(Enum):
     """Whose a file is once it is there."""
 
@@ -51,26 +67,22 @@ def planned_files(program: str, systemd_version: int, example: str) -> Iterator[
         folder = f"/etc/systemd/system/{name}.service"
         yield PlannedFile(folder, unit_text(program, instance), Owner.OURS)
         if systemd_version >= FIRST_NOTIFY_RELOAD:
-            yield PlannedFile(f"{folder}.d/systemd-254.conf", _shipped("systemd-254.conf"), Owner.OURS)
-    yield PlannedFile(f"/etc/sysusers.d/{UNIT}.conf", _shipped("sysusers.conf"), Owner.OURS)
-    yield PlannedFile(f"/etc/udev/rules.d/65-{UNIT}.rules", _shipped("udev.rules"), Owner.OURS)
+            yield PlannedFile(f"{folder}.d/systemd-254.conf", _shipped("systemd/systemd-254.conf"), Owner.OURS)
+    yield PlannedFile(f"/etc/sysusers.d/{UNIT}.conf", _shipped("systemd/sysusers.conf"), Owner.OURS)
+    yield PlannedFile(f"/etc/udev/rules.d/65-{UNIT}.rules", _shipped("systemd/udev.rules"), Owner.OURS)
     yield PlannedFile(CONFIGURATION, example_text(example), Owner.USERS)
 
 
 def unit_text(program: str, instance: str) -> str:
     """The unit of one vehicle, or with the instance ``%i`` the template for several."""
-    is_template = instance != UNIT
-    words = {
-        "@UNIT@": f"{UNIT}@NAME" if is_template else UNIT,
-        "@OF@": " (%i)" if is_template else "",
-        "@PROGRAM@": program,
-        "@INSTANCE@": instance,
-        "@LOG_NAME@": f"{UNIT}@%i" if is_template else UNIT,
-        "@STATE@": f"{UNIT}/%i" if is_template else UNIT,
-    }
-    text = _shipped("attest-mav.service")
-    for word, value in words.items():
-        text = text.replace(word, value)
+    text = _shipped("systemd/attest-mav.service")
+    changes = {BY_HAND: f"ExecStart={program} run"}
+    if instance != UNIT:
+        changes |= TEMPLATE
+    for shipped, own in changes.items():
+        if shipped not in text:
+            raise ValueError(f"the unit that is shipped has no {shipped!r}")
+        text = text.replace(shipped, own)
     return text
 
 

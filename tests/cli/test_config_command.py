@@ -7,7 +7,7 @@ from click.testing import CliRunner
 from attest_mav.cli.config import command
 from attest_mav.errors import ConfigError
 
-CONFIGS = Path(__file__).parents[2] / "attest_mav" / "installation" / "configs"
+CONFIGS = Path(__file__).parents[2] / "configs"
 
 
 def run(*arguments):

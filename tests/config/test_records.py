@@ -19,7 +19,7 @@ from attest_mav.filters.registry import default_filter, filter_names
 from attest_mav.mavlink.component.vehicle_data import POSITION_MESSAGES
 from attest_mav.vehicle_settings import VehicleSettings
 
-CONFIGS = Path(__file__).parents[2] / "attest_mav" / "installation" / "configs"
+CONFIGS = Path(__file__).parents[2] / "configs"
 
 
 def test_the_commented_file_has_every_key_with_its_default():

@@ -135,3 +135,12 @@ def test_the_program_is_the_one_of_this_python(monkeypatch, tmp_path):
         machine.program_path()
     Path(tmp_path / "attest-mav").touch()
     assert machine.program_path() == f"{tmp_path}/attest-mav"
+
+
+def test_the_template_differs_from_the_unit_only_in_its_instance():
+    unit, template = unit_text("/opt/a/attest-mav", "attest-mav"), unit_text("/opt/a/attest-mav", "%i")
+    changed = [line for line in template.splitlines() if line not in unit.splitlines()]
+    assert len(changed) == 6
+    assert all("%i" in line or "@NAME" in line for line in changed)
+    assert "/usr/bin/env" not in unit
+    assert "ExecStart=/opt/a/attest-mav run --config /etc/attest-mav/attest-mav.toml" in unit
