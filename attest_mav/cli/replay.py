@@ -8,6 +8,7 @@ import click
 
 from attest_mav.cli.replay_options import (
     AUTO,
+    check_cluster,
     check_declination,
     check_outputs,
     check_workers,
@@ -23,6 +24,7 @@ from attest_mav.cli.replay_work import (
     csv_file,
     junit_file,
     replay_here,
+    replay_on_cluster,
     replay_spread,
     report_file,
     resumed,
@@ -87,6 +89,12 @@ from attest_mav.runtime.results import Results
     help="Processes for several logs; one a core if not given, and one with --csv and --tlog.",
 )
 @click.option(
+    "--dask",
+    "scheduler",
+    metavar="ADDRESS",
+    help="Replay on the Dask cluster whose scheduler is at ADDRESS, HOST:PORT (needs the extra cluster).",
+)
+@click.option(
     "--results",
     "results_path",
     metavar="FILE",
@@ -117,6 +125,7 @@ def command(
     limits: tuple[str, ...],
     junit_path: str | None,
     workers: int | None,
+    scheduler: str | None,
     results_path: str | None,
     json_lines: bool,
     declination_deg: float | None,
@@ -144,6 +153,7 @@ def command(
     }
     check_outputs(paths, outputs)
     is_alone = workers == 1 or len(paths) == 1 or not (csv_path is None and tlog_path is None)
+    check_cluster(scheduler, workers, outputs)
     check_workers(workers, is_alone)
     showing = Showing(tuple(parse_limit(text) for text in limits), json_lines, len(paths) > MANY)
     with ExitStack() as stack:
@@ -152,7 +162,9 @@ def command(
         page = None if report_path is None else stack.enter_context(report_file(report_path))
         stack.enter_context(junit_file(junit_path, showing.results))
         replayed: Replayed = partial(replay_spread, request=request, workers=workers)
-        if is_alone:
+        if scheduler is not None:
+            replayed = partial(replay_on_cluster, request=request, address=scheduler)
+        elif is_alone:
             replayed = partial(replay_here, work=Work(request, table, annotated, page))
         outcomes = replayed(paths)
         if results_path is not None:

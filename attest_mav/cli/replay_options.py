@@ -102,5 +102,16 @@ def check_workers(workers: int | None, is_alone: bool) -> None:
         raise UsageError(f"--workers {workers}: expected {expected}")
 
 
+def check_cluster(scheduler: str | None, workers: int | None, outputs: dict[str, str | None]) -> None:
+    """Refuse with a cluster what needs the attitudes of a log here."""
+    if scheduler is None:
+        return
+    if workers is not None:
+        raise UsageError("--dask and --workers: the cluster has its own workers; expected one of them")
+    for option in ("--csv", "--tlog", "--report"):
+        if outputs[option] is not None:
+            raise UsageError(f"--dask and {option}: the workers send figures and no attitudes; expected one of them")
+
+
 def _is_same_file(one: Path, other: Path) -> bool:
     return one.resolve() == other.resolve() or (one.is_file() and other.is_file() and one.samefile(other))

@@ -2,16 +2,19 @@
 
 import json
 import os
+import platform
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from io import TextIOWrapper
+from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
 import click
 
 from attest_mav.cli.progress import ProgressBar
+from attest_mav.cli.version import version_text
 from attest_mav.errors import AttestMavError, UnreadableDataError
 from attest_mav.replay.batch import Outcome, Report, replay_file, replay_files
 from attest_mav.replay.csv_table import CsvTable
@@ -24,6 +27,7 @@ from attest_mav.runtime.results import Results
 
 if TYPE_CHECKING:
     from attest_mav.cli.report_page import ReportPage
+    from attest_mav.runtime.processes import TaskMap
 
 MANY = 8
 """Of more logs than this the summary is printed alone."""
@@ -110,23 +114,58 @@ def replay_here(logs: list[str], work: Work) -> Iterator[Outcome]:
     return replay_files(logs, work)
 
 
+Helped = tuple[Report | None, AttestMavError | None]
+"""The outcome of one log in a form that pickle takes."""
+
+
 def replay_spread(logs: list[str], request: Request, workers: int | None) -> Iterator[Outcome]:
     """The outcome of every log in order, made by several processes (None: one a core)."""
     from attest_mav.runtime.processes import processes  # noqa: PLC0415 - with it comes multiprocessing
 
     count = min(workers or os.cpu_count() or 1, len(logs))
-    with processes(count) as task_map, ProgressBar(f"{len(logs)} logs") as bar:
-        for done, (path, (report, error)) in enumerate(
-            zip(logs, task_map(partial(_replayed, request=request), logs), strict=True), 1
-        ):
+    return _replay_over(processes(count), logs, request)
+
+
+def replay_on_cluster(logs: list[str], request: Request, address: str) -> Iterator[Outcome]:
+    """The outcome of every log in order, made by the workers of a Dask cluster, which see the logs where we do."""
+    from attest_mav.runtime.cluster import cluster  # noqa: PLC0415 - Dask is an extra
+
+    if not logs:
+        return iter(())
+    seen = next((str(Path(path).absolute()) for path in logs if Path(path).exists()), None)
+    return _replay_over(cluster(address, partial(described, seen), _given_up, _remark), logs, request)
+
+
+def _replay_over(opened: "AbstractContextManager[TaskMap]", logs: list[str], request: Request) -> Iterator[Outcome]:
+    """The outcome of every log in order, made by a map over processes or workers."""
+    replay_one = partial(_replayed, request=request, folder=str(Path.cwd()))
+    with opened as task_map, ProgressBar(f"{len(logs)} logs") as bar:
+        for done, (path, (report, error)) in enumerate(zip(logs, task_map(replay_one, logs), strict=True), 1):
             bar.show(done / len(logs))
             yield Outcome(path, report, error)
 
 
-def _replayed(path: str, request: Request) -> tuple[Report | None, AttestMavError | None]:
-    """The outcome of one log in a helping process, in a form that pickle takes."""
-    (outcome,) = replay_files([path], partial(replay_file, request=request, open_log=open_log))
+def _replayed(path: str, request: Request, folder: str) -> Helped:
+    """The outcome of one log in a helping process; a relative path begins at the folder."""
+    open_there = partial(open_log, folder=folder)
+    (outcome,) = replay_files([path], partial(replay_file, request=request, open_log=open_there))
     return outcome.report, outcome.error
+
+
+def described(seen: str | None) -> str:
+    """The program and Python of this process; UnreadableDataError unless the log is in its place here too."""
+    if seen is not None and not Path(seen).exists():
+        raise UnreadableDataError(f"it has no {seen}; expected every log under the same path on each worker")
+    return f"{version_text()}, Python {platform.python_version()}"
+
+
+def _given_up(path: str, reason: str) -> Helped:
+    """The outcome of a log that no worker has replayed."""
+    return None, UnreadableDataError(f"{path}: given up: {reason}")
+
+
+def _remark(text: str) -> None:
+    click.echo(f"attest-mav: {text}", err=True)
 
 
 Replayed = Callable[[list[str]], Iterator[Outcome]]
