@@ -112,7 +112,7 @@ def to_toml(record: msgspec.Struct) -> str:
 
 def _table_lines(table: dict[str, Any], path: str) -> list[str]:
     """Plain keys first, then tables and arrays of tables under their full names."""
-    plain = [f"{key} = {_value_text(value)}" for key, value in table.items() if not _is_table(value)]
+    plain = [f"{key} = {value_text(value)}" for key, value in table.items() if not _is_table(value)]
     lines = [f"[{path}]", *plain, ""] if path and plain else plain
     for key, value in table.items():
         inner = f"{path}.{key}" if path else key
@@ -128,7 +128,7 @@ def _is_table(value: object) -> bool:
     return isinstance(value, dict) or (isinstance(value, list | tuple) and any(isinstance(one, dict) for one in value))
 
 
-def _value_text(value: object) -> str:
+def value_text(value: object) -> str:
     """One TOML value: JSON spells strings, numbers, booleans and lists of them alike, but for infinity."""
     if isinstance(value, float):
         return repr(value)
