@@ -59,7 +59,10 @@ def cluster(address: str, probe: Probe, given_up: GivenUp, say: Callable[[str], 
 def _connected(address: str) -> "Client":
     import distributed  # noqa: PLC0415  # an extra
 
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # a lost scheduler is told by an error of ours
+    # Dask's lines about workers and results that it repeats are no news here; each of its loggers has its own level.
+    for name in list(logging.root.manager.loggerDict):
+        if name.partition(".")[0] == "distributed":
+            logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         # Other versions of libraries are a warning there; the probe compares what matters here.
         with warnings.catch_warnings():

@@ -1,6 +1,7 @@
 """``attest-mav replay --dask``: real workers on loopback, one of which is killed, and clusters that are not there."""
 
 import json
+import logging
 import os
 import shutil
 import signal
@@ -111,6 +112,7 @@ def test_a_killed_worker_loses_nothing(two_workers, tmp_path):
         os.kill(int(started[0].name.partition("-")[2]), signal.SIGKILL)
         assert list(results) == list(range(4, 40))
     assert said == []
+    assert not logging.getLogger("distributed.client").isEnabledFor(logging.WARNING), "no lines beside our own"
 
 
 def test_a_task_that_ends_its_workers_is_given_up_alone_and_a_lost_scheduler_ends_the_work(tmp_path, monkeypatch):
