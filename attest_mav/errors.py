@@ -8,6 +8,7 @@
      +-- UnreadableDataError 65  a file that is missing, empty, or not what it should be
      +-- UnwritableError     65  a result that cannot be written
      +-- LinkError           69  a port or device that cannot be opened
+     +-- ClusterError        69  a Dask cluster that does not answer
      +-- ConfigError         78  a configuration key or value
 
 Bad *samples* never raise: they are counted results (see ``attest_mav.estimation``). Anything that escapes and is not
@@ -41,6 +42,12 @@ class UnwritableError(AttestMavError):
 
 class LinkError(AttestMavError):
     """A link cannot be opened, and the caller asked to be told instead of waiting."""
+
+    exit_code = 69
+
+
+class ClusterError(AttestMavError):
+    """A Dask scheduler does not answer, or has no workers that can do the work."""
 
     exit_code = 69
 

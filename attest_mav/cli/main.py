@@ -17,6 +17,8 @@ COMMANDS: Final = {
     "replay": "Run filters over logs and compare them with a reference.",
     "evaluate": "Reproduce the papers' scenarios and check them against their bounds.",
     "sim": "The fake autopilot as a process of its own.",
+    "compare": "Compare two files of results that replay has kept.",
+    "tune": "Search parameters of a filter on logs, and check them on others.",
     "play": "Send a recorded flight on a link, like a live vehicle.",
     "status": "One look at a running daemon.",
     "watch": "A running daemon in the terminal.",

@@ -8,6 +8,7 @@ import click
 
 from attest_mav.cli.replay_options import (
     AUTO,
+    check_cluster,
     check_declination,
     check_outputs,
     check_workers,
@@ -15,14 +16,16 @@ from attest_mav.cli.replay_options import (
     vehicle_of,
     window_of,
 )
+from attest_mav.cli.replay_tables import parts_folder, tables
 from attest_mav.cli.replay_work import (
     MANY,
+    Parts,
     Replayed,
     Showing,
     Work,
-    csv_file,
     junit_file,
     replay_here,
+    replay_on_cluster,
     replay_spread,
     report_file,
     resumed,
@@ -68,6 +71,12 @@ from attest_mav.runtime.results import Results
 @click.option("--start", "start_s", default=0.0, metavar="S", help="Read from S seconds after the first sample.")
 @click.option("--end", "end_s", default=inf, metavar="S", help="Read until S seconds after the first sample.")
 @click.option("--csv", "csv_path", metavar="FILE", help="Write every attitude with its errors.")
+@click.option(
+    "--parquet",
+    "parquet_path",
+    metavar="FILE",
+    help="Write the same as a Parquet file, with types and units (needs the extra parquet).",
+)
 @click.option("--tlog", "tlog_path", metavar="FILE", help="Write the log with the first filter's attitudes inserted.")
 @click.option(
     "--report", "report_path", metavar="FILE", help="Write one page (HTML) with charts and figures of the log."
@@ -84,7 +93,13 @@ from attest_mav.runtime.results import Results
     "--workers",
     type=int,
     metavar="N",
-    help="Processes for several logs; one a core if not given, and one with --csv and --tlog.",
+    help="Processes for several logs; one a core if not given.",
+)
+@click.option(
+    "--dask",
+    "scheduler",
+    metavar="ADDRESS",
+    help="Replay on the Dask cluster whose scheduler is at ADDRESS, HOST:PORT (needs the extra cluster).",
 )
 @click.option(
     "--results",
@@ -117,11 +132,13 @@ def command(
     start_s: float,
     end_s: float,
     csv_path: str | None,
+    parquet_path: str | None,
     tlog_path: str | None,
     report_path: str | None,
     limits: tuple[str, ...],
     junit_path: str | None,
     workers: int | None,
+    scheduler: str | None,
     results_path: str | None,
     as_it_came: bool,
     json_lines: bool,
@@ -143,23 +160,29 @@ def command(
     paths = log_paths(logs)
     outputs = {
         "--csv": csv_path,
+        "--parquet": parquet_path,
         "--tlog": tlog_path,
         "--report": report_path,
         "--junit": junit_path,
         "--results": results_path,
     }
     check_outputs(paths, outputs)
-    is_alone = workers == 1 or len(paths) == 1 or not (csv_path is None and tlog_path is None)
+    is_alone = workers == 1 or len(paths) == 1
+    check_cluster(scheduler, workers, outputs)
     check_workers(workers, is_alone)
     showing = Showing(tuple(parse_limit(text) for text in limits), json_lines, len(paths) > MANY)
     with ExitStack() as stack:
-        table = None if csv_path is None else stack.enter_context(csv_file(csv_path))
+        written = stack.enter_context(tables(csv_path, parquet_path))
         annotated = None if tlog_path is None else stack.enter_context(atomic_write(tlog_path))
         page = None if report_path is None else stack.enter_context(report_file(report_path))
         stack.enter_context(junit_file(junit_path, showing.results))
-        replayed: Replayed = partial(replay_spread, request=request, workers=workers)
-        if is_alone:
-            replayed = partial(replay_here, work=Work(request, table, annotated, page))
+        replayed: Replayed = partial(replay_here, work=Work(request, written, annotated, page))
+        if scheduler is not None:
+            replayed = partial(replay_on_cluster, request=request, address=scheduler)
+        elif not is_alone:
+            folder = None if written is None else stack.enter_context(parts_folder(csv_path, parquet_path))
+            parts = None if written is None or folder is None else Parts(written, folder)
+            replayed = partial(replay_spread, request=request, workers=workers, parts=parts)
         outcomes = replayed(paths)
         if results_path is not None:
             work = f"{version_text()} {chosen} {pipeline} {imu} {reference} {declination_deg} {window} {vehicle}"

@@ -17,6 +17,8 @@ from attest_mav.replay.plan import VehicleChoice
 from attest_mav.replay.request import Window
 
 AUTO: Final = "auto"
+ATTITUDES: Final = ("--csv", "--parquet", "--tlog", "--report")
+"""The outputs that are made from every attitude of a log."""
 LARGEST_ID: Final = 255
 """Of a MAVLink system or component."""
 
@@ -83,8 +85,9 @@ def check_outputs(logs: Sequence[str], outputs: dict[str, str | None]) -> None:
         raise UsageError("--tlog takes one LOG: an annotated log cannot hold several")
     if outputs["--report"] is not None and len(logs) > 1:
         raise UsageError("--report takes one LOG: a page shows one flight")
-    if outputs["--report"] is not None and outputs["--results"] is not None:
-        raise UsageError("--report and --results: a result that is kept has no series to draw; expected one of them")
+    for option in ATTITUDES:
+        if outputs[option] is not None and outputs["--results"] is not None:
+            raise UsageError(f"{option} and --results: a result that is kept has no attitudes; expected one of them")
     paths = {option: Path(path) for option, path in outputs.items() if path is not None}
     for option, output in paths.items():
         for name in logs:
@@ -96,10 +99,21 @@ def check_outputs(logs: Sequence[str], outputs: dict[str, str | None]) -> None:
 
 
 def check_workers(workers: int | None, is_alone: bool) -> None:
-    """Refuse several processes where the logs are written one after the other, and none at all."""
+    """Refuse several processes for a single log, and none at all."""
     if workers is not None and (workers < 1 or (workers > 1 and is_alone)):
-        expected = "1 with --csv, --tlog or a single log" if workers > 1 else "1 or more processes"
+        expected = "1 with a single log" if workers > 1 else "1 or more processes"
         raise UsageError(f"--workers {workers}: expected {expected}")
+
+
+def check_cluster(scheduler: str | None, workers: int | None, outputs: dict[str, str | None]) -> None:
+    """Refuse with a cluster what needs the attitudes of a log here."""
+    if scheduler is None:
+        return
+    if workers is not None:
+        raise UsageError("--dask and --workers: the cluster has its own workers; expected one of them")
+    for option in ATTITUDES:
+        if outputs[option] is not None:
+            raise UsageError(f"--dask and {option}: the workers send figures and no attitudes; expected one of them")
 
 
 def _is_same_file(one: Path, other: Path) -> bool:

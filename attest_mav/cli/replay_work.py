@@ -2,21 +2,24 @@
 
 import json
 import os
+import platform
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass, field, replace
 from functools import partial
-from io import TextIOWrapper
+from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
 import click
 
 from attest_mav.cli.progress import ProgressBar
+from attest_mav.cli.replay_tables import Tables, part_of
+from attest_mav.cli.version import version_text
 from attest_mav.errors import AttestMavError, UnreadableDataError
 from attest_mav.replay.batch import Outcome, Report, replay_file, replay_files
-from attest_mav.replay.csv_table import CsvTable
 from attest_mav.replay.junit import LogResult, junit_xml
 from attest_mav.replay.limits import Checked, Limit, check
+from attest_mav.replay.observer import FlightObserver, ObserverTee
 from attest_mav.replay.request import Outputs, Request
 from attest_mav.replay.summary import summary_of
 from attest_mav.runtime.files import atomic_write, open_log
@@ -24,6 +27,7 @@ from attest_mav.runtime.results import Results
 
 if TYPE_CHECKING:
     from attest_mav.cli.report_page import ReportPage
+    from attest_mav.runtime.processes import TaskMap
 
 MANY = 8
 """Of more logs than this the summary is printed alone."""
@@ -34,16 +38,18 @@ class Work:
     """The work on each log of a command: with a progress bar, and with the files that are written beside the report."""
 
     request: Request
-    table: CsvTable | None = None
+    tables: Tables | None = None
     annotated: IO[bytes] | None = None
     page: "ReportPage | None" = None
 
     def __call__(self, path: str) -> Report:
         """Replay one log in this process."""
-        attitudes = None if self.table is None else self.table.rows_of(path)
-        recorder = None if self.page is None else self.page.recorder
+        observers: list[FlightObserver] = [] if self.page is None else [self.page.recorder]
+        if self.tables is not None:
+            observers.append(self.tables.rows_of(path))
         with ProgressBar(path) as bar:
-            report = replay_file(path, self.request, open_log, Outputs(attitudes, self.annotated, bar.show, recorder))
+            outputs = Outputs(None, self.annotated, bar.show, ObserverTee(observers) if observers else None)
+            report = replay_file(path, self.request, open_log, outputs)
         if self.page is not None:
             self.page.write(report)
         return report
@@ -107,26 +113,102 @@ class Showing:
 
 def replay_here(logs: list[str], work: Work) -> Iterator[Outcome]:
     """The outcome of every log, one after the other."""
-    return replay_files(logs, work)
+    for outcome in replay_files(logs, work):
+        if work.tables is not None:
+            work.tables.end_log()
+        yield outcome
 
 
-def replay_spread(logs: list[str], request: Request, workers: int | None) -> Iterator[Outcome]:
+Helped = tuple[Report | None, AttestMavError | None]
+"""The outcome of one log in a form that pickle takes."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """The work of a helping process on one log. folder: where a relative path begins. part: of the tables, or ""."""
+
+    path: str
+    folder: str
+    part: str = ""
+    kinds: tuple[bool, bool] = (False, False)
+
+
+@dataclass(frozen=True)
+class Parts:
+    """Tables that helping processes write in parts, and the folder of the parts."""
+
+    tables: Tables
+    folder: str
+
+    def of(self, task: Task, number: int) -> Task:
+        """The task with its part of the tables."""
+        return replace(task, part=str(Path(self.folder, str(number)).absolute()), kinds=self.tables.kinds)
+
+
+def replay_spread(
+    logs: list[str], request: Request, workers: int | None, parts: Parts | None = None
+) -> Iterator[Outcome]:
     """The outcome of every log in order, made by several processes (None: one a core)."""
     from attest_mav.runtime.processes import processes  # noqa: PLC0415 - with it comes multiprocessing
 
     count = min(workers or os.cpu_count() or 1, len(logs))
-    with processes(count) as task_map, ProgressBar(f"{len(logs)} logs") as bar:
-        for done, (path, (report, error)) in enumerate(
-            zip(logs, task_map(partial(_replayed, request=request), logs), strict=True), 1
-        ):
+    return _replay_over(processes(count), logs, request, parts)
+
+
+def replay_on_cluster(logs: list[str], request: Request, address: str) -> Iterator[Outcome]:
+    """The outcome of every log in order, made by the workers of a Dask cluster, which see the logs where we do."""
+    from attest_mav.runtime.cluster import cluster  # noqa: PLC0415 - Dask is an extra
+
+    if not logs:
+        return iter(())
+    seen = next((str(Path(path).absolute()) for path in logs if Path(path).exists()), None)
+    return _replay_over(cluster(address, partial(described, seen), _given_up, _remark), logs, request)
+
+
+def _replay_over(
+    opened: "AbstractContextManager[TaskMap]", logs: list[str], request: Request, parts: Parts | None = None
+) -> Iterator[Outcome]:
+    """The outcome of every log in order, made by a map over processes or workers."""
+    tasks = [Task(path, str(Path.cwd())) for path in logs]
+    if parts is not None:
+        tasks = [parts.of(task, number) for number, task in enumerate(tasks)]
+    with opened as task_map, ProgressBar(f"{len(logs)} logs") as bar:
+        helped = task_map(partial(_replayed, request=request), tasks)
+        for done, (task, (report, error)) in enumerate(zip(tasks, helped, strict=True), 1):
             bar.show(done / len(logs))
-            yield Outcome(path, report, error)
+            if parts is not None:
+                parts.tables.append(task.part)
+            yield Outcome(task.path, report, error)
 
 
-def _replayed(path: str, request: Request) -> tuple[Report | None, AttestMavError | None]:
-    """The outcome of one log in a helping process, in a form that pickle takes."""
-    (outcome,) = replay_files([path], partial(replay_file, request=request, open_log=open_log))
+def _replayed(task: Task, request: Request) -> Helped:
+    """The outcome of one log in a helping process."""
+
+    def replay_one(path: str) -> Report:
+        open_there = partial(open_log, folder=task.folder)
+        if not task.part:
+            return replay_file(path, request, open_there)
+        with part_of(task.part, task.kinds) as tables:
+            return replay_file(path, request, open_there, Outputs(observer=tables.rows_of(path)))
+
+    (outcome,) = replay_files([task.path], replay_one)
     return outcome.report, outcome.error
+
+
+def described(seen: str | None) -> str:
+    """The program and Python of this process; UnreadableDataError unless the log is in its place here too."""
+    if seen is not None and not Path(seen).exists():
+        raise UnreadableDataError(f"it has no {seen}; expected every log under the same path on each worker")
+    return f"{version_text()}, Python {platform.python_version()}"
+
+
+def _given_up(task: Task, reason: str) -> Helped:
+    """The outcome of a log that no worker has replayed."""
+    return None, UnreadableDataError(f"{task.path}: given up: {reason}")
+
+
+def _remark(text: str) -> None:
+    click.echo(f"attest-mav: {text}", err=True)
 
 
 Replayed = Callable[[list[str]], Iterator[Outcome]]
@@ -162,16 +244,6 @@ def junit_file(path: str | None, results: list[LogResult]) -> Iterator[None]:
         if path is not None and results:
             with atomic_write(path) as file:
                 file.write(junit_xml(results))
-
-
-@contextmanager
-def csv_file(path: str) -> Iterator[CsvTable]:
-    """A table in a file that appears when all of its rows are written."""
-    with atomic_write(path) as file:
-        # The name of a log need not be text; its bytes come out as they are.
-        text = TextIOWrapper(file, encoding="utf-8", errors="surrogateescape", newline="")
-        yield CsvTable(text)
-        text.detach()
 
 
 @contextmanager

@@ -5,7 +5,7 @@ configs/attest-mav.toml and, with its equation, in the filter's own docstring.
 """
 
 from math import cos, radians, sin
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import msgspec
 from msgspec import Meta
@@ -137,6 +137,9 @@ class OwnFilterConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
         return own_filter(self.filter_class, self.parameters)
 
 
+_AnyConfig = GradientDescentConfig | RobustAdaptiveConfig | LevelingConfig | VelocityAidedConfig
+
+
 class FilterConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The filter that is published, and the parameters of each: one table a filter, named like it.
 
@@ -167,18 +170,21 @@ class FilterConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_o
 
         UsageError lists the names if there is none.
         """
+        if ":" in name:
+            return own_filter(name, self.own.parameters if name == self.own.filter_class else {})
+        return self.own.build() if name == "own" else self._config(name).build()
+
+    def parameters(self, name: str) -> dict[str, Any]:
+        """The parameters of a filter of the package, as a configuration has them; UsageError lists the names."""
+        return msgspec.structs.asdict(self._config(name))
+
+    def _config(self, name: str) -> _AnyConfig:
         configs: dict[str, _AnyConfig] = {
             "gradient-descent": self.gradient_descent,
             "robust-adaptive": self.robust_adaptive,
             "leveling": self.leveling,
             "velocity-aided": self.velocity_aided,
-            "own": self.own,
         }
-        if ":" in name:
-            return own_filter(name, self.own.parameters if name == self.own.filter_class else {})
         if name not in configs:
             raise unknown_filter(name)
-        return configs[name].build()
-
-
-_AnyConfig = GradientDescentConfig | RobustAdaptiveConfig | LevelingConfig | VelocityAidedConfig | OwnFilterConfig
+        return configs[name]

@@ -51,7 +51,9 @@ class Attitude(Record):
 class ComparedAttitude(Record):
     """One attitude with its errors against the reference."""
 
-    def __init__(self, name: str, attitude: Attitude, tilt: float | None, heading: float | None) -> None:
+    def __init__(
+        self, name: str, attitude: Attitude, tilt: float | None, heading: float | None, reference: Quat | None = None
+    ) -> None:
         self.name: Final = name
         """Filter or autopilot."""
         self.attitude: Final = attitude
@@ -59,6 +61,8 @@ class ComparedAttitude(Record):
         """Tilt error, rad; None without a reference at that time."""
         self.heading: Final = heading
         """Heading error, rad; None as above, or if the heading does not refer to true north as the reference does."""
+        self.reference: Final = reference
+        """The reference at that time, body to NED; None without one."""
 
 
 class ComparisonSink(Protocol):
@@ -122,7 +126,7 @@ class Comparison:
         elif attitude.counted:
             self._miss(attitude)
         if self._sink is not None:
-            self._sink.write(ComparedAttitude(self.name, attitude, tilt, heading))
+            self._sink.write(ComparedAttitude(self.name, attitude, tilt, heading, truth))
 
     def _miss(self, attitude: Attitude) -> None:
         """Count an attitude that has no reference."""

@@ -77,15 +77,15 @@ def _check(report: dict[str, Any], limit: Limit) -> list[Checked]:
         value = verdict[name.removeprefix(VERDICT)] if verdict["intervals"] else None
         return [Checked(name, value, limit.most)]
     if name.startswith(AUTOPILOT):
-        return [Checked(name, _figure(report["autopilot"], name.removeprefix(AUTOPILOT)), limit.most)]
+        return [Checked(name, figure_of(report["autopilot"], name.removeprefix(AUTOPILOT)), limit.most)]
     filters = report["filters"]
     return [
-        Checked(name if len(filters) == 1 else f"{one['name']}: {name}", _figure(one, name), limit.most)
+        Checked(name if len(filters) == 1 else f"{one['name']}: {name}", figure_of(one, name), limit.most)
         for one in filters
     ]
 
 
-def _figure(errors: dict[str, Any] | None, name: str) -> float | None:
+def figure_of(errors: dict[str, Any] | None, name: str) -> float | None:
     """A figure such as ``tilt.rms`` of one attitude's errors; None where there is none."""
     kind, _, figure = name.partition(".")
     spread = None if errors is None else errors[f"{kind}_deg"]

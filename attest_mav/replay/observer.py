@@ -35,6 +35,53 @@ class FlightObserver(ComparisonSink, Protocol):
         """Take the next sample that is neither inertial nor an attitude; it came at this log time."""
 
 
+class ObserverTee:
+    """Shows one flight to several observers."""
+
+    def __init__(self, observers: Sequence[FlightObserver]) -> None:
+        self._observers: Final = list(observers)
+
+    def begin(self, field: EarthField) -> None:
+        """The flight begins."""
+        for one in self._observers:
+            one.begin(field)
+
+    def imu(self, sample: ImuSample, elapsed_s: float) -> None:
+        """Show it to each of them, as all that follow."""
+        for one in self._observers:
+            one.imu(sample, elapsed_s)
+
+    def estimate(self, name: str, estimate: Estimate, sample: ImuSample) -> None:
+        """Show an estimate."""
+        for one in self._observers:
+            one.estimate(name, estimate, sample)
+
+    def verdict(self, name: str, verdict: Verdict, elapsed_s: float) -> None:
+        """Show a verdict."""
+        for one in self._observers:
+            one.verdict(name, verdict, elapsed_s)
+
+    def lane_event(self, name: str, event: LaneEvent, elapsed_s: float) -> None:
+        """Show an event."""
+        for one in self._observers:
+            one.lane_event(name, event, elapsed_s)
+
+    def reference(self, q_nb: Quat, elapsed_s: float) -> None:
+        """Show an attitude of the reference."""
+        for one in self._observers:
+            one.reference(q_nb, elapsed_s)
+
+    def vehicle(self, sample: Sample, elapsed_s: float) -> None:
+        """Show another sample."""
+        for one in self._observers:
+            one.vehicle(sample, elapsed_s)
+
+    def write(self, compared: ComparedAttitude) -> None:
+        """Show an attitude with its errors."""
+        for one in self._observers:
+            one.write(compared)
+
+
 class ComparisonTee:
     """Gives each compared attitude to several receivers."""
 

@@ -48,13 +48,14 @@ class OpenedLog:
 
 
 @contextmanager
-def open_log(path: str | Path) -> Iterator[OpenedLog]:
+def open_log(path: str | Path, folder: str = "") -> Iterator[OpenedLog]:
     """The bytes of a log, or of the one in an archive, read when they are asked for.
 
-    UnreadableDataError says why there are none.
+    folder: where a relative path begins, for a process that works elsewhere. UnreadableDataError says why there are
+    none.
     """
     try:
-        file = open(path, "rb", opener=open_without_waiting)  # noqa: SIM115 (closed below)
+        file = open(Path(folder, path), "rb", opener=open_without_waiting)  # noqa: SIM115 (closed below)
     except OSError as error:
         raise UnreadableDataError(f"cannot read {path}: {reason_of(error)}") from None
     with file:

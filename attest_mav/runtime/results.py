@@ -57,17 +57,9 @@ class Results:
 
     def _read(self) -> None:
         data = self._path.read_bytes()
-        whole = data.rfind(b"\n") + 1
-        for number, line in enumerate(data[:whole].splitlines(), 1):
-            try:
-                result = json.loads(line)
-                key = result.pop(KEY)
-            except (ValueError, AttributeError, KeyError, TypeError):
-                raise UnreadableDataError(
-                    f"{self._path}, line {number}: no result of a replay; expected a file that --results has written"
-                ) from None
-            self._known[json.dumps(key)] = result
-        os.truncate(self._descriptor, whole)
+        for result in _parsed(self._path, data):
+            self._known[json.dumps(result.pop(KEY))] = result
+        os.truncate(self._descriptor, data.rfind(b"\n") + 1)
 
     def _key(self, log: str) -> dict[str, Any] | None:
         """A log by name, size and time of change, and the work; None for a log that is not there."""
@@ -77,3 +69,27 @@ class Results:
             return None
         name = os.fsencode(log).decode(errors="backslashreplace")
         return {"log": name, "bytes": status.st_size, "changed_ns": status.st_mtime_ns, "work": self._work}
+
+
+def read_results(path: str) -> dict[str, dict[str, Any]]:
+    """The last result of each log in a file of results, by the log's name; the log and the work stand under ``KEY``."""
+    try:
+        data = Path(path).read_bytes()
+    except OSError as error:
+        raise UnreadableDataError(f"cannot read {path}: {reason_of(error)}") from None
+    return {result[KEY]["log"]: result for result in _parsed(Path(path), data)}
+
+
+def _parsed(path: Path, data: bytes) -> Iterator[dict[str, Any]]:
+    """The results of all whole lines."""
+    for number, line in enumerate(data[: data.rfind(b"\n") + 1].splitlines(), 1):
+        try:
+            result = json.loads(line)
+            is_result = {"log", "bytes", "work"} <= result[KEY].keys()
+        except (ValueError, AttributeError, KeyError, TypeError):
+            is_result = False
+        if not is_result:
+            raise UnreadableDataError(
+                f"{path}, line {number}: no result of a replay; expected a file that --results has written"
+            )
+        yield result

@@ -65,7 +65,7 @@ def test_kept_results_are_not_made_again_and_look_the_same(folder, tmp_path):
 
 @pytest.mark.parametrize(
     "arguments",
-    [(CUTS / f"{GOOD[0]}.tlog", "--workers", 2), (CUTS, "--workers", 0), (CUTS, "--workers", 2, "--csv", "rows.csv")],
+    [(CUTS / f"{GOOD[0]}.tlog", "--workers", 2), (CUTS, "--workers", 0)],
 )
 def test_a_number_of_processes_that_cannot_be_meant_is_refused(arguments):
     assert isinstance(replay(*arguments).exception, UsageError)

@@ -138,7 +138,7 @@ def test_the_program_is_the_one_of_this_python(monkeypatch, tmp_path):
 
 
 def test_the_template_differs_from_the_unit_only_in_its_instance():
-    unit, template = unit_text("/opt/a/attest-mav", "attest-mav"), unit_text("/opt/a/attest-mav", "%i")
+    unit, template = plan.unit_text("/opt/a/attest-mav", "attest-mav"), plan.unit_text("/opt/a/attest-mav", "%i")
     changed = [line for line in template.splitlines() if line not in unit.splitlines()]
     assert len(changed) == 6
     assert all("%i" in line or "@NAME" in line for line in changed)

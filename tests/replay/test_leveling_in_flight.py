@@ -12,6 +12,7 @@ from attest_mav.replay.csv_table import CsvTable
 from attest_mav.replay.engine import replay
 from attest_mav.replay.report import as_json
 from attest_mav.replay.request import Outputs, Request, Window
+from attest_mav.replay.table_rows import TableRows
 
 
 def tilt_rms(data, dialect, *filters, **window):
@@ -25,7 +26,7 @@ def tilt_errors(data, dialect, name):
     """(seconds since the first estimate, tilt error in degrees) of one filter."""
     rows = StringIO()
     request = Request((Leveling(),), window=Window(skip_s=0.0))
-    replay(TlogSource(data, dialect), request, Outputs(CsvTable(rows).rows_of("flight")))
+    replay(TlogSource(data, dialect), request, Outputs(observer=TableRows("flight", [CsvTable(rows)])))
     rows.seek(0)
     errors = [
         (float(r["t_s"]), float(r["tilt_error_deg"]))

@@ -12,13 +12,14 @@ from attest_mav.replay.csv_table import CsvTable
 from attest_mav.replay.engine import replay
 from attest_mav.replay.report import as_json
 from attest_mav.replay.request import Outputs, Request, Window
+from attest_mav.replay.table_rows import TableRows
 
 
 def flown(data, dialect, **window):
     """The figures of the replay, and the rows of the filter's estimates as columns."""
     rows = StringIO()
     request = Request((VelocityAided(),), window=Window(**window))
-    outputs = Outputs(CsvTable(rows).rows_of("flight"))
+    outputs = Outputs(observer=TableRows("flight", [CsvTable(rows)]))
     figures = as_json("flight", replay(TlogSource(data, dialect), request, outputs))
     rows.seek(0)
     table = [r for r in csv.DictReader(rows) if r["filter"] == "velocity-aided"]

@@ -1,0 +1,102 @@
+"""``attest-mav compare``: two files of results of ``replay --results`` side by side."""
+
+import json
+from pathlib import PurePath
+from typing import Any, Final
+
+import click
+
+from attest_mav.replay.results_comparison import FIGURES, Change, ResultsComparison, compare_results
+from attest_mav.runtime.results import read_results
+
+SHOWN: Final = 5
+"""So many logs of a remark are named."""
+
+
+@click.command("compare")
+@click.argument("before", metavar="BEFORE")
+@click.argument("after", metavar="AFTER")
+@click.option("--rows", type=click.IntRange(min=1), default=20, show_default=True, help="Rows of the table at most.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+def command(before: str, after: str, rows: int, as_json: bool) -> None:
+    """Compare two files that replay --results has written: what changed on each log, the worst first.
+
+    A log is known by its name. Where a file has several results of one log, the last one counts. The changes are those
+    of the errors against the reference and of the seconds of the verdict, AFTER less BEFORE.
+    """
+    comparison = compare_results(read_results(before), read_results(after))
+    if as_json:
+        click.echo(json.dumps(as_object(comparison), allow_nan=False))
+    else:
+        print_comparison(comparison, rows)
+
+
+def as_object(comparison: ResultsComparison) -> dict[str, Any]:
+    """The comparison as one JSON object; degrees and seconds, null for none."""
+    return {
+        "changes": [
+            {
+                "log": one.log,
+                "filter": one.filter,
+                **{
+                    figure: {"before": one.before[figure], "after": one.after[figure], "change": one.of(figure)}
+                    for figure in FIGURES
+                },
+            }
+            for one in comparison.changes
+        ],
+        "only_before": comparison.only_before,
+        "only_after": comparison.only_after,
+        "other_size": comparison.other_size,
+        "other_work": comparison.other_work,
+        "not_compared": comparison.unread,
+    }
+
+
+def print_comparison(comparison: ResultsComparison, rows: int) -> None:
+    """Print the worst rows, and remarks on the logs that differ otherwise."""
+    from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - only when shown
+    from rich.console import Console  # noqa: PLC0415 - only when shown
+    from rich.table import Table  # noqa: PLC0415 - only when shown
+
+    from attest_mav.cli.replay_table import PIPE_COLUMNS  # noqa: PLC0415 - only when shown
+
+    console = Console(markup=False, highlight=False, emoji=False)
+    if not console.is_terminal:
+        console = Console(markup=False, highlight=False, emoji=False, width=PIPE_COLUMNS)
+    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    table.add_column("after less before,\nthe worst first", overflow="fold")
+    table.add_column("filter", overflow="fold")
+    for label in ("tilt\nrms deg", "heading\nrms deg", "DISAGREE\ns", "undecided\ns"):
+        table.add_column(label, justify="right", no_wrap=True)
+    for one in comparison.changes[:rows]:
+        table.add_row(click.format_filename(PurePath(one.log).name), one.filter, *_cells(one))
+    if len(comparison.changes) > rows:
+        table.caption = f"{rows} of {len(comparison.changes)} rows; --rows and --json show more"
+    with console.capture() as capture:  # rich would end the process itself where nobody reads
+        console.print(table)
+        for remark in _remarks(comparison):
+            console.print(f"  {remark}", soft_wrap=True)
+    click.echo(capture.get(), nl=False)
+
+
+def _cells(change: Change) -> list[str]:
+    decimals = {"tilt_rms_deg": 3, "heading_rms_deg": 3, "disagree_s": 1, "undecided_s": 1}
+    values = [(change.of(figure), decimals[figure]) for figure in FIGURES]
+    return ["-" if value is None else "0" if value == 0.0 else f"{value:+.{digits}f}" for value, digits in values]
+
+
+def _remarks(comparison: ResultsComparison) -> list[str]:
+    kinds = {
+        "only in BEFORE": comparison.only_before,
+        "only in AFTER": comparison.only_after,
+        "another file size": comparison.other_size,
+        "another version or configuration": comparison.other_work,
+        "unreadable, or no filter in common": comparison.unread,
+    }
+    return [f"{len(logs)} logs: {kind}: {_named(logs)}" for kind, logs in kinds.items() if logs]
+
+
+def _named(logs: list[str]) -> str:
+    names = [click.format_filename(PurePath(log).name) for log in logs[:SHOWN]]
+    return ", ".join([*names, *(["..."] if len(logs) > SHOWN else [])])

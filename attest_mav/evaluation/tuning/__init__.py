@@ -1,0 +1,1 @@
+"""The search for parameters of a filter: some logs choose them, others check them."""
