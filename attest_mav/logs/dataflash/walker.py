@@ -20,6 +20,7 @@ from attest_mav.logs.dataflash.selection import time_column
 from attest_mav.samples import Sample
 
 MAGIC: Final = b"\xa3\x95"
+MAGIC_BYTES: Final = 2
 MARGIN: Final = 1024
 """More than the longest stretch that deciding on one record looks ahead: three records of at most 255 bytes."""
 LONGEST_GAP_NS: Final = 60_000_000_000
@@ -43,6 +44,10 @@ class RecordWalker:
         self._position = 0
         self._final = False
         self._in_damage = False
+        self._pieces: list[bytes] = [b""]
+        """The window, cut at each magic: the quickest way to all of its places."""
+        self._piece: i64 = 0
+        self._magic_at: i64 = 0
 
     @property
     def position(self) -> int:
@@ -52,6 +57,9 @@ class RecordWalker:
     def walk(self, window: bytes, final: bool) -> list[Sample]:
         """The samples of the window that begins at ``position``. final: it reaches to the end of the log."""
         self._data, self._size, self._final = window, len(window), final
+        self._pieces = window.split(MAGIC)
+        self._piece = 0
+        self._magic_at = len(self._pieces[0])
         samples: list[Sample] = []
         stop: i64 = self._size if final else self._size - MARGIN
         at: i64 = 0
@@ -110,7 +118,8 @@ class RecordWalker:
         kind = self._data[at + 2]
         end = at + length
         if self._is_followed(end):
-            return 0 if self._hides_end(at + HEADER_BYTES, end) else length
+            is_plain = self._magic_behind(at) >= end
+            return length if is_plain or not self._hides_end(at + HEADER_BYTES, end) else 0
         former = self._former[kind]
         if former is not None and self._is_followed(at + former.length) and not self._is_cut(at, at + former.length):
             self._exchange(kind)
@@ -143,6 +152,16 @@ class RecordWalker:
     def _exchange(self, kind: i64) -> None:
         """Believe the former description of a type."""
         self._routes[kind], self._former[kind] = self._former[kind], self._routes[kind]
+
+    def _magic_behind(self, at: i64) -> i64:
+        """Place of the first magic behind this place, which never goes back; the end of the window if there is none."""
+        while self._magic_at <= at:
+            self._piece += 1
+            if self._piece >= len(self._pieces):
+                self._magic_at = self._size
+                break
+            self._magic_at += MAGIC_BYTES + len(self._pieces[self._piece])
+        return self._magic_at
 
     def _hides_end(self, at: i64, end: i64) -> bool:
         """Whether this record has lost bytes, and as many of other records stand in their place up to its end.

@@ -36,6 +36,9 @@ class UlogWalker:
         self._topics: Final = topics
         self._headers: Final = Headers(topics)
         self._file_at = 0
+        self._behind_at: i64 = -1
+        self._behind: i64 = 0
+        """End of the message at ``_behind_at``, see ``Headers.end``."""
         self._data = b""
         self._size: i64 = 0
         self._position = 0
@@ -51,6 +54,7 @@ class UlogWalker:
         """The samples of the window that begins at ``position``. final: it reaches to the end of the log."""
         self._data, self._size, self._final = window, len(window), final
         self._headers.begin(window, final)
+        self._behind_at = -1
         samples: list[Sample] = []
         at: i64 = 0
         while at < self._size:
@@ -80,7 +84,8 @@ class UlogWalker:
 
     def _end(self, at: i64) -> i64:
         """End of the intact message or file header here; 0 if none begins, UNDECIDED if the next window shows it."""
-        end = self._headers.end(at)
+        # The message behind the last one has been looked at; one that was none may be one by what the last one told.
+        end = self._behind if at == self._behind_at and self._behind > 0 else self._headers.end(at)
         if end <= 0:
             return end
         if self._boundaries and self._is_cut(at, end):
@@ -88,6 +93,7 @@ class UlogWalker:
         behind = self._headers.end(end)
         if behind == UNDECIDED:
             return UNDECIDED
+        self._behind_at, self._behind = end, behind
         lacks_bytes = self._hides_end(at, end) if behind > 0 or end == self._size else self._hides_message(at, end)
         return 0 if lacks_bytes else end
 
