@@ -9,6 +9,8 @@ from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table
 
+from attest_mav.replay.peaks import time_of_day
+
 PIPE_COLUMNS = 80
 """Width where there is no terminal to ask."""
 VERDICT_ROWS = 12
@@ -27,6 +29,8 @@ def print_report(report: dict[str, Any]) -> None:
         for label, text in _header(report):
             console.print(f"  {label:<10} {text}", soft_wrap=True)
         console.print(_table(report))
+        if any(one["tilt_deg"] is not None for one in _rows(report)):
+            console.print(_peak_table(report))
         if any(one["consistency"] is not None for one in report["filters"]):
             console.print(_sigma_table(report))
             console.print(_innovation_table(report))
@@ -77,6 +81,31 @@ def _table(report: dict[str, Any]) -> Table:
     if own is not None:
         table.add_row(f"autopilot's {own['message']}", *_figures(own), str(own["samples"]), style="dim")
     return table
+
+
+def _rows(report: dict[str, Any]) -> list[dict[str, Any]]:
+    """What was compared with the reference: the filters, and the autopilot's own attitude."""
+    own = report["autopilot"]
+    return report["filters"] if own is None else [*report["filters"], {**own, "name": f"autopilot's {own['message']}"}]
+
+
+def _peak_table(report: dict[str, Any]) -> Table:
+    """Instant and phase of the largest errors; the time of day, UTC, where the log tells it."""
+    rows = _rows(report)
+    has_utc = any(one["tilt_deg"] is not None and one["tilt_deg"]["max_at_unix_s"] is not None for one in rows)
+    at = "UTC" if has_utc else "s"
+    table = _figure_table("largest error", f"tilt\nat {at}", "phase", f"heading\nat {at}", "phase")
+    for one in rows:
+        table.add_row(one["name"], *_peak(one["tilt_deg"], has_utc), *_peak(one["heading_deg"], has_utc))
+    return table
+
+
+def _peak(figures: dict[str, Any] | None, has_utc: bool) -> tuple[str, str]:
+    """The cells of one largest error."""
+    if figures is None:
+        return "-", "-"
+    at = time_of_day(figures["max_at_unix_s"]) if has_utc else f"{figures['max_at_s']:.1f}"
+    return at, figures["max_phase"]
 
 
 def _sigma_table(report: dict[str, Any]) -> Table:

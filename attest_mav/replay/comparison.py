@@ -11,6 +11,7 @@ from attest_mav.innovation import Innovation
 from attest_mav.record import Record
 from attest_mav.replay.consistency import Consistency
 from attest_mav.replay.metrics import SURE, ErrorColumns
+from attest_mav.replay.peaks import Peak
 from attest_mav.replay.reference_track import MEMORY_NS, Lack, ReferenceTrack
 from attest_mav.replay.steady_tilt import SteadyTilt
 from attest_mav.types import North, Quat
@@ -83,6 +84,9 @@ class Comparison:
         self.errors: Final = ErrorColumns()
         self.consistency: Final = Consistency()
         self.steady_tilt: Final = SteadyTilt()
+        self.tilt_peak: Final = Peak()
+        """Of the counted errors, as in ``errors``."""
+        self.heading_peak: Final = Peak()
         self.outside = 0
         """Counted attitudes before the first or after the last sample of the reference."""
         self.uneven = 0
@@ -138,6 +142,8 @@ class Comparison:
     def _count(self, attitude: Attitude, tilt: float, heading: float | None) -> None:
         """Add the errors (rad) to the figures."""
         self.errors.add(tilt, heading, attitude.tilt_sigma < SURE)
+        self.tilt_peak.take(tilt, attitude.elapsed_s)
         self.consistency.tilt.add(tilt, attitude.tilt_sigma)
         if heading is not None:
+            self.heading_peak.take(heading, attitude.elapsed_s)
             self.consistency.heading.add(heading, attitude.heading_sigma)

@@ -17,6 +17,8 @@ from attest_mav.replay.comparison import Attitude, Comparison, ComparisonSink
 from attest_mav.replay.lane_faults import LaneFaults
 from attest_mav.replay.log_time import LogTime, Motion, Regularity
 from attest_mav.replay.observer import FlightObserver, joined
+from attest_mav.replay.peaks import WallClock
+from attest_mav.replay.phases import FlightPhases
 from attest_mav.replay.reference_track import ReferenceTrack
 from attest_mav.replay.request import Window
 from attest_mav.replay.stamping import BurstStamp, Stamped
@@ -96,6 +98,8 @@ class Flight:
         self.sensors: Final = {name: Regularity() for name in (plan.imu, *plan.other_sensors)} | {plan.imu: self.imu}
         """The streams of the inertial sensors; ``imu`` is the first of them."""
         self.motion: Final = Motion()
+        self.phases: Final = FlightPhases()
+        self.clock: Final = WallClock()
         self.reference_samples = 0
         self.window: Final = window
         self._imu_source: Final[str] = plan.imu
@@ -121,6 +125,7 @@ class Flight:
         """Turns the autopilot's attitudes into the frame of the inertial messages."""
         for sample in opening:
             self._vehicle.take(sample)
+            self.phases.take(sample, 0.0)
 
     def take(self, sample: Sample, position: int = 0) -> None:
         """Take the next sample. ``position``: the end of its record in the log, for the writer."""
@@ -150,6 +155,8 @@ class Flight:
     def _take_other(self, sample: Sample) -> None:
         """A sample of the vehicle. Filters that do not learn have its settings: a change is for the frames alone."""
         self._vehicle.take(sample)
+        self.phases.take(sample, self._elapsed_s)
+        self.clock.take(sample)
         if self._observer is not None and self._reading and self.imu.samples:
             self._observer.vehicle(sample, self._elapsed_s)
         if self._learns and isinstance(sample, PositionSample):
@@ -166,6 +173,8 @@ class Flight:
             return
         self.imu.add(sample.t_ns)
         self.motion.add(sample.t_ns, sample.gyro)
+        self.phases.turn(sample.gyro[2], elapsed_s)
+        self.clock.settle(self._time)
         self._reference.add_rates(sample.t_ns % WRAP_NS, sample.gyro)
         self._fly(sample, elapsed_s, position)
 

@@ -6,9 +6,11 @@ from typing import Any
 from attest_mav.replay.comparison import Comparison
 from attest_mav.replay.consistency import Consistency, NisMean, SigmaCount
 from attest_mav.replay.engine import Replay
+from attest_mav.replay.flight import Flight
 from attest_mav.replay.metrics import ErrorColumns, Spread
+from attest_mav.replay.peaks import Peak
 from attest_mav.replay.plan import replayable
-from attest_mav.replay.verdict_report import DIGITS, lanes_of, stream, verdict_of
+from attest_mav.replay.verdict_report import DIGITS, lanes_of, stream, unix_time, verdict_of
 
 
 def as_json(name: str, replay: Replay) -> dict[str, Any]:
@@ -36,8 +38,10 @@ def as_json(name: str, replay: Replay) -> dict[str, Any]:
         "reference": None
         if plan.reference is None
         else {"message": plan.reference, "samples": flight.reference_samples},
-        "filters": [_filter(run.comparison) for run in flight.runs],
-        "autopilot": None if flight.autopilot is None else {"message": plan.autopilot, **_errors(flight.autopilot)},
+        "filters": [_filter(run.comparison, flight) for run in flight.runs],
+        "autopilot": None
+        if flight.autopilot is None
+        else {"message": plan.autopilot, **_errors(flight.autopilot, flight)},
         "verdict": verdict_of(flight),
         "notes": list(replay.notes),
     }
@@ -55,12 +59,12 @@ def _north(replay: Replay) -> dict[str, Any]:
     }
 
 
-def _filter(comparison: Comparison) -> dict[str, Any]:
+def _filter(comparison: Comparison, flight: Flight) -> dict[str, Any]:
     """One filter's figures, and the consistency of its sigmas; null for a filter without sigmas."""
     has_sigma = comparison.consistency.has_sigma
     return {
         "name": comparison.name,
-        **_errors(comparison),
+        **_errors(comparison, flight),
         "not_compared": {"no_reference": comparison.outside, "uneven_reference": comparison.uneven},
         "valid": _valid(comparison.errors) if has_sigma and comparison.errors.samples else None,
         "consistency": _consistency(comparison.consistency) if has_sigma else None,
@@ -98,9 +102,26 @@ def _nis(nis: NisMean) -> dict[str, Any] | None:
     return {"mean": round(nis.mean, DIGITS), "n": nis.count} if nis.count else None
 
 
-def _errors(comparison: Comparison) -> dict[str, Any]:
+def _errors(comparison: Comparison, flight: Flight) -> dict[str, Any]:
     errors = comparison.errors
-    return {"samples": errors.samples, "tilt_deg": _spread(errors.tilt()), "heading_deg": _spread(errors.heading())}
+    return {
+        "samples": errors.samples,
+        "tilt_deg": _with_peak(errors.tilt(), comparison.tilt_peak, flight),
+        "heading_deg": _with_peak(errors.heading(), comparison.heading_peak, flight),
+    }
+
+
+def _with_peak(spread: Spread | None, peak: Peak, flight: Flight) -> dict[str, Any] | None:
+    """Figures, with the log time, the UTC and the phase of the largest error."""
+    figures = _spread(spread)
+    if figures is None:
+        return None
+    return {
+        **figures,
+        "max_at_s": round(peak.at_s, DIGITS),
+        "max_at_unix_s": unix_time(flight, peak.at_s),
+        "max_phase": flight.phases.at(peak.at_s).words,
+    }
 
 
 def _spread(spread: Spread | None) -> dict[str, float] | None:

@@ -12,6 +12,9 @@ from attest_mav.replay.verdict_log import LoggedInterval
 DIGITS: Final = 6
 """Decimals of a degree, a second or a hertz: more than any of them is good for."""
 
+MILLISECOND: Final = 3
+"""Decimals of a UTC in seconds."""
+
 
 def judge_of(flight: Flight) -> FilterRun:
     """The filter whose verdict counts: the flight filter, whose sigma covers its errors, else the first one."""
@@ -36,7 +39,7 @@ def verdict_of(flight: Flight) -> dict[str, Any]:
             )
             for agreement in (Agreement.AGREE, Agreement.DISAGREE, Agreement.UNDECIDED)
         },
-        "intervals": [_interval(one) for one in intervals],
+        "intervals": [_interval(one, flight) for one in intervals],
     }
 
 
@@ -72,12 +75,20 @@ def stream(message: str, regularity: Regularity) -> dict[str, Any]:
     }
 
 
-def _interval(one: LoggedInterval) -> dict[str, Any]:
+def unix_time(flight: Flight, elapsed_s: float) -> float | None:
+    """UTC at a log time, s since 1970; None where the log does not tell it."""
+    unix_s = flight.clock.unix_s(elapsed_s)
+    return None if unix_s is None else round(unix_s, MILLISECOND)
+
+
+def _interval(one: LoggedInterval, flight: Flight) -> dict[str, Any]:
     return {
         "state": one.interval.agreement.name.lower(),
         "reason": one.interval.reason,
         "start_s": round(one.begin_s, DIGITS),
         "end_s": round(one.end_s, DIGITS),
+        "start_unix_s": unix_time(flight, one.begin_s),
+        "end_unix_s": unix_time(flight, one.end_s),
         "peak_tilt_deg": _angle(one.interval.peak_tilt),
         "peak_heading_deg": _angle(one.interval.peak_heading),
         "sensors": list(one.interval.lanes),

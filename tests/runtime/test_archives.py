@@ -93,3 +93,28 @@ def test_an_encrypted_archive_says_so(tmp_path):
     path.write_bytes(data)
     with pytest.raises(UnreadableDataError, match="encrypted"):
         open_log(path).__enter__()
+
+
+@pytest.mark.parametrize("pack", [gzipped, lambda path, content: zipped(path, a=content)])
+def test_an_archive_that_unfolds_far_beyond_its_size_is_given_up(tmp_path, pack):
+    path = pack(tmp_path / "a", bytes(40 << 20))
+    assert path.stat().st_size < 100_000
+    with pytest.raises(UnreadableDataError, match="over 200 times its own size"):
+        open_log(path).__enter__()
+
+
+def test_a_crowd_of_files_is_refused_before_they_are_listed(tmp_path):
+    path = tmp_path / "a.zip"
+    with zipfile.ZipFile(path, "w") as archive:
+        for number in range(12_000):
+            archive.writestr(zipfile.ZipInfo(f"{number:060d}"), b"")
+    with pytest.raises(UnreadableDataError, match="very many or very large files"):
+        open_log(path).__enter__()
+
+
+def test_an_unknown_way_of_packing_says_so(tmp_path):
+    path = tmp_path / "a.zip"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_LZMA) as archive:
+        archive.writestr("a.bin", LOG)
+    with pytest.raises(UnreadableDataError, match="packed in a way that is unknown"):
+        open_log(path).__enter__()

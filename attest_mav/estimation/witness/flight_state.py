@@ -3,6 +3,7 @@
 Every function gives a new state; the equations of the filter stay as they are.
 """
 
+from math import nan
 from typing import Final, cast
 
 from attest_mav.algebra import add, norm, q_exp, q_mul, scale, sub
@@ -75,7 +76,7 @@ def field_direction(state: FilterState, sample: ImuSample) -> Vec3 | None:
     if navigation is None or field is None or not norm(sub(field, navigation.estimate.hard_iron)) > 0.0:
         return None
     rate = body_rate(navigation.estimate, navigation.imu.gyro)
-    return levelled_field(navigation.estimate, field, rate, navigation.assumed_declination).direction
+    return levelled_field(navigation.estimate, field, rate, navigation.assumed_declination, nan).direction
 
 
 def field_reading(state: FilterState, sample: ImuSample) -> FieldReading | None:

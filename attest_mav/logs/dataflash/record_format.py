@@ -69,18 +69,19 @@ class RecordFormat:
         sizes = [CODES[code].size for code in codes] if all(code in CODES for code in codes) else []
         self.offsets: Final = [HEADER_BYTES + sum(sizes[:index]) for index in range(len(sizes))]
         """Place of each column in the record."""
-        self.is_readable: Final = bool(sizes) and HEADER_BYTES + sum(sizes) <= length
+        self.columns_length: Final = HEADER_BYTES + sum(sizes) if sizes else length
+        """Length of the header and the columns: another one than that told where a description is damaged or wrong."""
+        self.is_readable: Final = bool(sizes) and self.columns_length <= length
         """False where the letters do not fit the length: such records are passed over."""
 
-    def equals(self, other: "RecordFormat") -> bool:
-        """True for the same description: a log repeats them when it goes on in a new file, and so do joined logs."""
-        return (self.record_type, self.length, self.name, self.codes, self.columns) == (
-            other.record_type,
-            other.length,
-            other.name,
-            other.codes,
-            other.columns,
-        )
+    @property
+    def key(self) -> tuple[int, int, str, str, tuple[str, ...]]:
+        """The description: a log repeats them when it goes on in a new file, and so do joined logs."""
+        return self.record_type, self.length, self.name, self.codes, self.columns
+
+    def of_columns(self) -> "RecordFormat":
+        """The same with the length of its columns."""
+        return RecordFormat(self.record_type, self.columns_length, self.name, self.codes, self.columns)
 
     def index(self, column: str) -> int:
         """Place of a column among all, -1 where there is none, or none with a letter."""

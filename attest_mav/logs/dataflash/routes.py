@@ -15,6 +15,8 @@ from attest_mav.samples import Sample
 
 PACER: Final = "IMU"
 """The stream whose records, where they have no time, pace the clock."""
+MOST_ROUTES: Final = 4096
+"""A log with more descriptions is damaged or made to be one: the others are not believed."""
 
 
 class Binding:
@@ -83,21 +85,24 @@ class Router:
         self.clock: Final = RecordClock(pace_ns)
         self.units: Final = units
         self._readers: Final = dict(readers)
-        self._routes: Final[list[Route]] = []
+        self._routes: Final[dict[tuple[int, int, str, str, tuple[str, ...]], Route]] = {}
 
-    def route(self, record_format: RecordFormat) -> Route:
-        """The route of one type of record."""
+    def route(self, record_format: RecordFormat) -> Route | None:
+        """The route of one type of record, the same for the same description; None behind ``MOST_ROUTES`` of them."""
+        known = self._routes.get(record_format.key)
+        if known is not None or len(self._routes) >= MOST_ROUTES:
+            return known
         self.units.learn_name(record_format.record_type, record_format.name)
         streams = streams_of(record_format)
         bindings = [self._binding(stream, record_format) for stream in streams]
         made = Route(record_format, streams, bindings)
-        self._routes.append(made)
+        self._routes[record_format.key] = made
         return made
 
     def counts(self) -> dict[str, int]:
         """Number of records by stream."""
         counts: dict[str, int] = {}
-        for route in self._routes:
+        for route in self._routes.values():
             for stream, count in zip(route.streams, route.counts, strict=True):
                 if count:
                     counts[stream] = counts.get(stream, 0) + count

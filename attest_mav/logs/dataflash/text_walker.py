@@ -83,10 +83,10 @@ class TextWalker:
             return None
         name = fields[3]
         described = made_format(int(fields[1]), int(fields[2]), name, fields[4], ",".join(fields[COLUMNS_AT:]))
-        known = self._routes.get(name)
-        if known is None or not known.record_format.equals(described):
-            self._routes[name] = self._router.route(described)
-        return self._routes.setdefault(FORMAT, self._router.route(FORMAT_OF_FORMATS))
+        route = self._router.route(described)
+        if route is not None:
+            self._routes[name] = route
+        return self._router.route(FORMAT_OF_FORMATS) if FORMAT not in self._routes else self._routes[FORMAT]
 
 
 FORMAT_OF_FORMATS: Final = made_format(128, 89, FORMAT, "BBnNZ", "Type,Length,Name,Format,Columns")

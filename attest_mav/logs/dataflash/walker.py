@@ -1,9 +1,10 @@
 """Walks over a binary DataFlash log: records by their length, and the next intact one behind damage.
 
 A record has no checksum. It counts as intact when the magic of the next one, or the end of the log, stands right behind
-it. Without either, bytes may be missing inside it: then another record begins within its length, and the cut one is
-given up. Otherwise it is damage that stands behind it. A record between damage on both sides counts when its time goes
-on from the newest one, and a description (FMT) by its content.
+it; where a type is described twice, or its length is not that of its columns, that decides between the two lengths.
+Bytes may be missing inside a record: then another one begins within its length, and the cut one is given up. Otherwise
+it is damage that stands behind it. A record between damage on both sides counts when its time goes on from the newest
+one, and a description (FMT) by its content.
 """
 
 from math import isfinite
@@ -19,6 +20,7 @@ from attest_mav.logs.dataflash.selection import time_column
 from attest_mav.samples import Sample
 
 MAGIC: Final = b"\xa3\x95"
+MAGIC_BYTES: Final = 2
 MARGIN: Final = 1024
 """More than the longest stretch that deciding on one record looks ahead: three records of at most 255 bytes."""
 LONGEST_GAP_NS: Final = 60_000_000_000
@@ -35,11 +37,17 @@ class RecordWalker:
         self.damage: Final = Damage()
         self._router: Final = router
         self._routes: Final[list[Route | None]] = [None] * 256
+        self._former: Final[list[Route | None]] = [None] * 256
+        """By type the route that another description has replaced: either of the two may be damaged."""
         self._data = b""
         self._size: i64 = 0
         self._position = 0
         self._final = False
         self._in_damage = False
+        self._pieces: list[bytes] = [b""]
+        """The window, cut at each magic: the quickest way to all of its places."""
+        self._piece: i64 = 0
+        self._magic_at: i64 = 0
 
     @property
     def position(self) -> int:
@@ -49,6 +57,9 @@ class RecordWalker:
     def walk(self, window: bytes, final: bool) -> list[Sample]:
         """The samples of the window that begins at ``position``. final: it reaches to the end of the log."""
         self._data, self._size, self._final = window, len(window), final
+        self._pieces = window.split(MAGIC)
+        self._piece = 0
+        self._magic_at = len(self._pieces[0])
         samples: list[Sample] = []
         stop: i64 = self._size if final else self._size - MARGIN
         at: i64 = 0
@@ -86,23 +97,36 @@ class RecordWalker:
         described = parse_format(self._data[at + HEADER_BYTES : at + FORMAT_BYTES])
         if described is None:
             return
-        known = self._routes[described.record_type]
-        if known is None or not known.record_format.equals(described):
-            self._routes[described.record_type] = self._router.route(described)
+        self._believe(self._router.route(described))
+        if described.length != described.columns_length:
+            self._believe(self._router.route(described.of_columns()))
+
+    def _believe(self, route: Route | None) -> None:
+        """Take a route for its type, and keep the one before for the case that this description is the damaged one."""
+        if route is None:
+            return
+        kind = route.record_format.record_type
+        if route is not self._routes[kind]:
+            self._former[kind] = self._routes[kind]
+            self._routes[kind] = route
 
     def _intact(self, at: i64) -> i64:
         """Length of the intact record that begins here, 0 if none does."""
         length = self._length(at)
         if length == 0:
             return 0
+        kind = self._data[at + 2]
         end = at + length
-        if self._data[at + 2] == FORMAT_TYPE:
-            return length
-        if self._begins(end) or (end == self._size and self._final):
-            return length
-        if self._in_damage:
-            return length if self._is_in_time(at) else 0
-        return 0 if self._is_cut(at, end) else length
+        if self._is_followed(end):
+            is_plain = self._magic_behind(at) >= end
+            return length if is_plain or not self._hides_end(at + HEADER_BYTES, end) else 0
+        former = self._former[kind]
+        if former is not None and self._is_followed(at + former.length) and not self._is_cut(at, at + former.length):
+            self._exchange(kind)
+            return former.length
+        if self._is_cut(at, end):
+            return 0
+        return length if not self._in_damage or kind == FORMAT_TYPE or self._is_in_time(at) else 0
 
     def _length(self, at: i64) -> i64:
         """Length of the record whose header stands here and that ends in the window, 0 if there is none."""
@@ -118,19 +142,54 @@ class RecordWalker:
             return 0
         return route.length
 
-    def _begins(self, at: i64) -> bool:
-        """Whether the header of a known type stands here."""
+    def _is_followed(self, end: i64) -> bool:
+        """Whether another record, of any type, begins here, or the log ends."""
         data = self._data
-        if at + HEADER_BYTES > self._size or data[at] != 0xA3 or data[at + 1] != 0x95:
-            return False
-        return data[at + 2] == FORMAT_TYPE or self._routes[data[at + 2]] is not None
+        if end + HEADER_BYTES > self._size:
+            return end == self._size and self._final
+        return data[end] == 0xA3 and data[end + 1] == 0x95
+
+    def _exchange(self, kind: i64) -> None:
+        """Believe the former description of a type."""
+        self._routes[kind], self._former[kind] = self._former[kind], self._routes[kind]
+
+    def _magic_behind(self, at: i64) -> i64:
+        """Place of the first magic behind this place, which never goes back; the end of the window if there is none."""
+        while self._magic_at <= at:
+            self._piece += 1
+            if self._piece >= len(self._pieces):
+                self._magic_at = self._size
+                break
+            self._magic_at += MAGIC_BYTES + len(self._pieces[self._piece])
+        return self._magic_at
+
+    def _hides_end(self, at: i64, end: i64) -> bool:
+        """Whether this record has lost bytes, and as many of other records stand in their place up to its end.
+
+        Some numbers look like the header of a record; the time of that one tells.
+        """
+        inside = self._next_magic(at, end)
+        while inside < end:
+            if self._chain_end(inside, end) == end and self._is_in_time(inside):
+                return True
+            inside = self._next_magic(inside + 1, end)
+        return False
+
+    def _chain_end(self, at: i64, stop: i64) -> i64:
+        """Where the records from ``at`` on lead to, at ``stop`` or behind; 0 if they do not lead there."""
+        while at < stop:
+            length = self._length(at)
+            if length == 0:
+                return 0
+            at += length
+        return at
 
     def _is_cut(self, at: i64, end: i64) -> bool:
         """Whether another record begins inside this one, and a further one right behind that."""
         inside = self._next_magic(at + 1, end)
         while inside < end:
             length = self._length(inside)
-            if length > 0 and (self._begins(inside + length) or inside + length == self._size):
+            if length > 0 and self._is_followed(inside + length):
                 return True
             inside = self._next_magic(inside + 1, end)
         return False

@@ -19,6 +19,8 @@ PARAM_VALUE is one exception: a ground station records a thousand parameters, ea
 all parameters that tell a setting are returned, and no others. STATUSTEXT is the other one: all are returned, as the
 firmware names itself in one of them.
 """
+MOST_KINDS: Final = 8192
+"""So many kinds of messages are told apart, a kind being one message of one sender; of others only the frames count."""
 NAME_BYTES: Final = 16
 
 
@@ -56,6 +58,9 @@ class MessageCounter(TlogWalker):
         message_id = message_id_at(data, at)
         key = counter_key(data[sender], data[sender + 1], message_id)
         count = self.counts.get(key, 0)
+        if count == 0 and len(self.counts) >= MOST_KINDS:
+            self._pass_over(size, sender)
+            return
         self.counts[key] = count + 1
         if self.frames == 0:
             self.first_rx_ns = self._arrival(size)
@@ -73,9 +78,13 @@ class MessageCounter(TlogWalker):
         if is_sampled:
             super()._take(size)
         else:
-            self.frames += 1
-            self._sequences.follow(data[sender], data[sender + 1], data[sender - 1])
-            self._pass(size)
+            self._pass_over(size, sender)
+
+    def _pass_over(self, size: i64, sender: i64) -> None:
+        """Count the frame at the present place as intact, and go behind it. sender: place of the sender's ids."""
+        self.frames += 1
+        self._sequences.follow(self._data[sender], self._data[sender + 1], self._data[sender - 1])
+        self._pass(size)
 
     def _tells_setting(self, at: i64) -> bool:
         """True if the PARAM_VALUE at ``at`` is that of a parameter that tells a setting, by the bytes of its name."""

@@ -29,6 +29,10 @@ DEEPEST: Final = 8
 """A format nests no deeper."""
 LARGEST: Final = 65535
 """Bytes of a message; a layout that is larger is none."""
+MOST_FIELDS: Final = 1 << 17
+MOST_TEXT: Final = 1 << 20
+"""A log describes no more fields and in no more characters; PX4's logs have 10,000 of the ones and 100,000 of the
+others. What goes beyond is not believed: a message of twenty bytes can describe 65,535 fields."""
 _ARRAY: Final = re.compile(r"([A-Za-z0-9_]+)\[(\d{1,5})\]\Z")
 _FORMAT: Final = re.compile(r"[A-Za-z0-9_-]+:[A-Za-z0-9_\[\] ;.-]*\Z")
 
@@ -54,20 +58,31 @@ class Formats:
 
     def __init__(self) -> None:
         self._members: Final[dict[str, list[tuple[str, str]]]] = {}
+        self._texts: Final[dict[str, str]] = {}
+        self._layouts: Final[dict[str, Layout | None]] = {}
+        self._fields_left = MOST_FIELDS
+        self._text_left = MOST_TEXT
 
     def learn(self, text: str) -> None:
         """Take a format."""
         if _FORMAT.match(text) is None:
             return
         name, _, members = text.partition(":")
+        if self._texts.get(name) == members or len(text) > self._text_left:
+            return
+        self._text_left -= len(text)
+        self._texts[name] = members
+        self._layouts.clear()
         pairs = [member.split(" ", 1) for member in members.split(";") if " " in member]
         self._members[name] = [(kind, field) for kind, field in pairs]
 
     def layout(self, topic: str) -> Layout | None:
         """The layout of a topic; None where its format is missing, or makes no sense."""
-        fields: dict[str, Field] = {}
-        size = self._place(topic, "", 0, fields, DEEPEST)
-        return None if size is None else Layout(fields, size)
+        if topic not in self._layouts:
+            fields: dict[str, Field] = {}
+            size = self._place(topic, "", 0, fields, DEEPEST)
+            self._layouts[topic] = None if size is None else Layout(fields, size)
+        return self._layouts[topic]
 
     def _place(self, topic: str, prefix: str, at: int, fields: dict[str, Field], depth: int) -> int | None:
         """Place the fields of a format from ``at`` on; where they end, None for a format that cannot be placed."""
@@ -85,8 +100,9 @@ class Formats:
                     end = self._place(element, f"{full}.", at, fields, depth - 1)
                 else:
                     fields[full] = Field(at, letter)
+                    self._fields_left -= 1
                     end = at + calcsize(f"<{letter}")
-                if end is None or end > LARGEST:
+                if end is None or end == at or end > LARGEST or self._fields_left < 0:
                     return None
                 at = end
         return at

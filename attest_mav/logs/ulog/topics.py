@@ -46,6 +46,8 @@ class Topics:
         """Time from the first message to the newest one."""
         self._readers: Final = dict(readers)
         self._subscriptions: Final[dict[int, Subscription]] = {}
+        self._former: Final[dict[int, Subscription]] = {}
+        """By id the subscription that another one has replaced: either of the two may be damaged."""
         self._counts: Final[dict[str, int]] = {}
 
     def subscribe(self, body: bytes) -> None:
@@ -55,14 +57,27 @@ class Topics:
         layout = self.formats.layout(topic)
         if layout is None:
             return
-        self._retire(number)
         stream = stream_of(topic, instance)
+        last = self._subscriptions.get(number)
+        if last is not None and last.stream != stream:
+            self._retire(self._former.pop(number, None))
+            self._former[number] = last
+        elif last is not None:
+            self._retire(last)
         self._subscriptions[number] = Subscription(stream, layout, self._readers.get(stream))
 
     def fits(self, number: int, size: int) -> bool:
-        """Whether a message with this id can have so many bytes of data."""
+        """Whether a message with this id can have so many bytes of data; by them the id's subscription is chosen."""
         subscription = self._subscriptions.get(number)
-        return subscription is not None and -PADDING <= size - subscription.layout.size <= 0
+        if subscription is None:
+            return False
+        if -PADDING <= size - subscription.layout.size <= 0:
+            return True
+        former = self._former.get(number)
+        if former is None or not -PADDING <= size - former.layout.size <= 0:
+            return False
+        self._subscriptions[number], self._former[number] = former, subscription
+        return True
 
     def data(self, data: bytes, begin: int, end: int) -> list[Sample]:
         """The samples of the data message whose body stands there."""
@@ -78,15 +93,15 @@ class Topics:
 
     def counts(self) -> dict[str, int]:
         """Number of messages by stream."""
-        for number in list(self._subscriptions):
-            self._retire(number)
+        for subscription in (*self._subscriptions.values(), *self._former.values()):
+            self._retire(subscription)
         return dict(self._counts)
 
-    def _retire(self, number: int) -> None:
-        """Another subscription takes the id, or the log has ended."""
-        last = self._subscriptions.pop(number, None)
+    def _retire(self, last: Subscription | None) -> None:
+        """Keep the count of a subscription whose id another one takes, or of one at the end of the log."""
         if last is not None and last.count:
             self._counts[last.stream] = self._counts.get(last.stream, 0) + last.count
+            last.count = 0
 
     def _follow(self, t_us: int) -> bool:
         """Follow the time; False for one that cannot be."""

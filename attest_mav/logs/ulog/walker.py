@@ -1,8 +1,9 @@
 """Walks over a ULog: messages by their length, and the next intact one behind damage.
 
 A message is a length (uint16), a type (one letter), and as many bytes. It has no checksum, so it counts as intact when
-its type is known, its length fits it, and behind it the header of a known type stands, or the end of the log. Data that
-were appended after a crash begin at offsets which the log names at its begin; a message that reaches over one is cut.
+its length fits its content (``headers``). Bytes may be missing inside it: then another message begins within its
+length, and the cut one is given up. Data that were appended after a crash begin at offsets which the log names at its
+begin; a message that reaches over one is cut. A log may be several joined ones.
 """
 
 from struct import Struct
@@ -11,18 +12,13 @@ from typing import Final
 from mypy_extensions import i64
 
 from attest_mav.logs.damage import Damage
+from attest_mav.logs.ulog.headers import HEADER_BYTES, UNDECIDED, Headers
 from attest_mav.logs.ulog.messages import TAGGED_TEXT_AT, TEXT_AT
 from attest_mav.logs.ulog.topics import Topics
 from attest_mav.samples import Sample
 
-FILE_HEADER_BYTES: Final = 16
-HEADER_BYTES: Final = 3
-FLAG_BYTES: Final = 40
-"""Length of the message with the flags: 16 bytes of flags, and three offsets."""
 APPENDED: Final = 1
 """Bit of the first incompatible flag: data are appended."""
-TYPES: Final = frozenset(b"ABCDFILMOPQRS")
-SMALLEST: Final = {ord("B"): FLAG_BYTES, ord("D"): 3, ord("S"): 8, ord("O"): 2, ord("A"): 4, ord("R"): 2, ord("L"): 9}
 _LENGTH: Final = Struct("<H")
 _OFFSETS: Final = Struct("<3Q")
 
@@ -38,6 +34,11 @@ class UlogWalker:
         """Time for which the recorder could not keep up."""
         self.dropouts = 0
         self._topics: Final = topics
+        self._headers: Final = Headers(topics)
+        self._file_at = 0
+        self._behind_at: i64 = -1
+        self._behind: i64 = 0
+        """End of the message at ``_behind_at``, see ``Headers.end``."""
         self._data = b""
         self._size: i64 = 0
         self._position = 0
@@ -52,82 +53,74 @@ class UlogWalker:
     def walk(self, window: bytes, final: bool) -> list[Sample]:
         """The samples of the window that begins at ``position``. final: it reaches to the end of the log."""
         self._data, self._size, self._final = window, len(window), final
+        self._headers.begin(window, final)
+        self._behind_at = -1
         samples: list[Sample] = []
-        at: i64 = FILE_HEADER_BYTES if self._position == 0 else 0
+        at: i64 = 0
         while at < self._size:
             end = self._end(at)
-            if end < 0:
+            if end == UNDECIDED:
                 break
             if end == 0:
-                following = self._next_intact(at + 1)
-                self.damage.add(self._position + at, following - at)
-                at = following
+                at = self._pass_damage(at)
                 continue
-            self.records += 1
-            self._take(at, end, samples)
+            if self._headers.is_file(at):
+                self._file_at = self._position + at
+                self._boundaries = []
+            else:
+                self.records += 1
+                self._take(at, end, samples)
             at = end
-        self._position += min(at, self._size)
+        self._position += at
         return samples
 
+    def _pass_damage(self, begin: i64) -> i64:
+        """The next place where a message begins, or one that the next window has to show."""
+        at = begin + 1
+        while at < self._size and self._end(at) == 0:
+            at += 1
+        self.damage.add(self._position + begin, at - begin)
+        return at
+
     def _end(self, at: i64) -> i64:
-        """End of the intact message that begins here; 0 if none does, -1 if the next window has to show it."""
-        data = self._data
-        if at + HEADER_BYTES > self._size:
-            return 0 if self._final else -1
-        length: i64 = data[at] + 256 * data[at + 1]
-        end = at + HEADER_BYTES + length
-        if not self._is_known(at, length) or self._is_cut(at, end):
-            return 0
-        if end + HEADER_BYTES > self._size:
-            if not self._final:
-                return -1
-            return end if end == self._size else 0
-        if self._is_boundary(end) or self._may_begin(end):
+        """End of the intact message or file header here; 0 if none begins, UNDECIDED if the next window shows it."""
+        # The message behind the last one has been looked at; one that was none may be one by what the last one told.
+        end = self._behind if at == self._behind_at and self._behind > 0 else self._headers.end(at)
+        if end <= 0:
             return end
-        return 0 if self._hides_message(at, end) else end
-
-    def _may_begin(self, at: i64) -> bool:
-        """Whether the header here is that of a known type, with a length that it can have."""
-        data = self._data
-        length: i64 = data[at] + 256 * data[at + 1]
-        return data[at + 2] in TYPES and length >= SMALLEST.get(data[at + 2], 1)
-
-    def _is_known(self, at: i64, length: i64) -> bool:
-        """The same, and data have the length of their topic."""
-        if not self._may_begin(at):
-            return False
-        kind = self._data[at + 2]
-        if kind != ord("D") or at + HEADER_BYTES + 2 > self._size:
-            return True
-        return self._topics.fits(_LENGTH.unpack_from(self._data, at + HEADER_BYTES)[0], length - 2)
+        if self._boundaries and self._is_cut(at, end):
+            return 0
+        behind = self._headers.end(end)
+        if behind == UNDECIDED:
+            return UNDECIDED
+        self._behind_at, self._behind = end, behind
+        lacks_bytes = self._hides_end(at, end) if behind > 0 or end == self._size else self._hides_message(at, end)
+        return 0 if lacks_bytes else end
 
     def _is_cut(self, at: i64, end: i64) -> bool:
         """Whether appended data begin inside."""
-        return any(self._position + at < boundary < self._position + end for boundary in self._boundaries)
+        places = [boundary - self._position for boundary in self._boundaries]
+        return any(at < place < end and self._headers.end(place) > 0 for place in places)
 
-    def _is_boundary(self, at: i64) -> bool:
-        return bool(self._boundaries) and self._position + at in self._boundaries
+    def _hides_end(self, at: i64, end: i64) -> bool:
+        """Whether this message lost bytes, and data of the same number, or more messages, stand there up to its end."""
+        kind: i64 = self._data.find(b"D", at + HEADER_BYTES, end)
+        while kind >= 0:
+            inside = kind - HEADER_BYTES + 1
+            while 0 < inside < end:
+                inside = self._headers.end(inside)
+            if inside == end:
+                return True
+            kind = self._data.find(b"D", kind + 1, end)
+        return False
 
     def _hides_message(self, at: i64, end: i64) -> bool:
-        """Whether a message begins inside this one, and a further one behind that: then this one lost bytes."""
-        return any(self._is_followed(inside) for inside in range(at + 1, min(end, self._size - HEADER_BYTES)))
-
-    def _next_intact(self, at: i64) -> i64:
-        """The next place where a message begins that another one follows, or appended data, or the window's end."""
-        while at + HEADER_BYTES <= self._size:
-            if self._is_boundary(at) or self._is_followed(at):
-                return at
-            at += 1
-        return self._size if self._final else at
-
-    def _is_followed(self, at: i64) -> bool:
-        """Whether a known message stands here, and another one may begin behind it."""
-        data = self._data
-        length: i64 = data[at] + 256 * data[at + 1]
-        end = at + HEADER_BYTES + length
-        if not self._is_known(at, length) or end + HEADER_BYTES > self._size:
-            return False
-        return self._may_begin(end)
+        """Whether data, or another message that a further one follows, begin inside this one: then it lost bytes."""
+        for inside in range(at + 1, end):
+            following = self._headers.end(inside)
+            if following > 0 and (self._data[inside + 2] == ord("D") or self._headers.end(following) > 0):
+                return True
+        return False
 
     def _take(self, at: i64, end: i64, samples: list[Sample]) -> None:
         """Take the message from ``at`` to ``end``."""
@@ -154,4 +147,4 @@ class UlogWalker:
             self.dropouts += 1
             self.dropout_ms += _LENGTH.unpack_from(body)[0]
         elif kind == ord("B") and body[8] & APPENDED:
-            self._boundaries = [offset for offset in _OFFSETS.unpack_from(body, 16) if offset > 0]
+            self._boundaries = [self._file_at + offset for offset in _OFFSETS.unpack_from(body, 16) if offset > 0]
