@@ -22,8 +22,9 @@ MEMORY_S: Final = 10.0
 
 
 def strength_deviation(rows: FieldRows, parameters: FlightParameters) -> Array:
-    """The deviation of the strength alone at each reading, as a share of the field."""
-    return _held(rows, _strength(np.sqrt((rows.field**2).sum(axis=1)), parameters))
+    """The deviation of the strength alone at each reading, as a share of the field, beyond what the iron may do."""
+    length = np.sqrt((rows.field**2).sum(axis=1))
+    return _held(rows, np.maximum(0.0, _strength(length, parameters) - 3.0 * parameters.hard_iron / _usual(length)))
 
 
 def deviation(rows: FieldRows, smoothed: Smoothed, parameters: FlightParameters) -> Array:

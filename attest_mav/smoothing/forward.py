@@ -16,7 +16,7 @@ from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.smoothing.intervals import Intervals
 from attest_mav.smoothing.measurements import FieldRows, FixRows, Lags
 from attest_mav.smoothing.model import FIELD_LAG, NORTH, SIZE, VELOCITY_LAG, A, M, Prediction, State, T, V
-from attest_mav.smoothing.noise import LARGEST_SQUARE, LASTING, NoiseClass
+from attest_mav.smoothing.noise import LARGEST_SQUARE, LASTING_FIELD, LASTING_VELOCITY, SHARE, NoiseClass
 from attest_mav.smoothing.rotations import Array, cross_matrices, turned
 
 PLACE_GATE: Final = 2.0
@@ -89,8 +89,8 @@ class ForwardPass:
 
     def __init__(self, problem: Problem, noises: tuple[NoiseClass, ...]) -> None:
         self._problem: Final = problem
-        self._velocity: Final = np.array([one.velocity**2 for one in noises])
-        self._field: Final = np.array([one.field**2 for one in noises])
+        self._velocity: Final = np.array([LASTING_VELOCITY * one.velocity**2 for one in noises])
+        self._field: Final = np.array([LASTING_FIELD * one.field**2 for one in noises])
         self._is_choice: Final = len(noises) > 1
         self._prediction: Final = Prediction(problem.intervals, len(noises), problem.parameters)
         nodes = np.arange(len(problem.intervals.nodes))
@@ -177,10 +177,10 @@ class ForwardPass:
         size = own.shape[1]
         diagonal = own.reshape(len(own), size * size)[:, :: size + 1]
         if self._is_choice:
-            shown = own + (variance / LASTING)[:, :, np.newaxis] * np.eye(size)
+            shown = own + (variance / LASTING_VELOCITY)[:, :, np.newaxis] * np.eye(size)
             inverse = np.linalg.inv(shown)
             square = np.minimum((residual * turned(inverse, residual)).sum(axis=1), LARGEST_SQUARE * size)
-            state.likelihood -= 0.5 / LASTING * (square - np.log(np.linalg.det(inverse)))
+            state.likelihood -= 0.5 * SHARE * (square - np.log(np.linalg.det(inverse)))
         diagonal += np.maximum(variance, (residual / gate) ** 2 - diagonal)
         gain = np.matmul(ph, np.linalg.inv(own))
         state.p = state.p - np.matmul(gain, np.swapaxes(ph, 1, 2))
@@ -225,9 +225,9 @@ class ForwardPass:
         state.disturbance = np.maximum(state.disturbance, seen)
         disturbed = (parameters.disturbance_weight * np.maximum(state.disturbance, deviation)) ** 2
         if self._is_choice:
-            shown = own + nominal / LASTING + disturbed
+            shown = own + nominal / LASTING_FIELD + disturbed
             square = np.minimum(residual**2 / shown, LARGEST_SQUARE)
-            state.likelihood -= 0.5 / LASTING * (square + np.log(shown))
+            state.likelihood -= 0.5 * SHARE * (square + np.log(shown))
         variance = nominal * np.maximum(1.0, normalised / parameters.mag_knee) + disturbed
         gain = ph / (own + variance)[:, np.newaxis]
         state.p = state.p - gain[:, :, np.newaxis] * ph[:, np.newaxis, :]

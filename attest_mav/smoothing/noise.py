@@ -14,7 +14,7 @@ from attest_mav.filters.velocity_aided.parameters import FlightParameters
 
 @dataclass(frozen=True)
 class NoiseClass:
-    """Standard deviations of the measurements, allowed for errors that last."""
+    """Standard deviations of the measurements as innovations show them."""
 
     name: str
     velocity: float
@@ -23,11 +23,15 @@ class NoiseClass:
     """Share of the field."""
 
 
-CLASSES: Final = (NoiseClass("good", 0.10, 0.008), NoiseClass("typical", 0.28, 0.016), NoiseClass("poor", 0.56, 0.04))
+CLASSES: Final = (NoiseClass("good", 0.05, 0.004), NoiseClass("typical", 0.14, 0.008), NoiseClass("poor", 0.28, 0.02))
 """From the smallest noise to the largest."""
-LASTING: Final = 4.0
-"""Measurement variances contain this factor for errors that last, which innovations do not show: the likelihood of an
-innovation is that of the variance without it."""
+LASTING_VELOCITY: Final = 16.0
+"""Errors of fixes last for seconds, which innovations do not show: the update's variance is larger by this factor. The
+likelihood of an innovation is that of the variance without it."""
+LASTING_FIELD: Final = 4.0
+"""The same of the magnetometer."""
+SHARE: Final = 0.25
+"""Weight of one innovation in the likelihood, because those that follow each other are alike."""
 LARGEST_SQUARE: Final = 36.0
 """A normalised squared innovation counts for no more in the likelihood."""
 
