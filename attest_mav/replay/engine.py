@@ -109,8 +109,16 @@ def _smoothed(
         return None
     ours = [one for one in request.filters if isinstance(one, VelocityAided)]
     one = (ours[0] if ours else VelocityAided()).with_vehicle_settings(vehicle.settings)
+    samples = (sample for batch in source.samples(plan) for sample in batch.samples)
     flight = FlightToSmooth(
-        source, plan, vehicle, field, request.pipeline, one.parameters, window.start_s, window.end_s
+        samples,
+        plan.imu,
+        vehicle.opening,
+        field,
+        request.pipeline,
+        one.parameters,
+        window.start_s,
+        window.end_s,
     )
     smoothed = smooth(flight)
     if smoothed is None and request.reference == SMOOTHED:

@@ -5,15 +5,15 @@ brings it along.
 """
 
 from array import array
-from collections.abc import Callable
-from math import radians
+from collections.abc import Callable, Iterable, Sequence
+from math import inf, radians
 from typing import Final
 
 from mypy_extensions import mypyc_attr
 
 from attest_mav.estimation.pipeline import PipelineSettings
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.logs.source import LogSource, Plan, VehicleSummary
+from attest_mav.samples import Sample
 from attest_mav.types import EarthField, North, Quat, Vec3
 
 LARGEST_TILT: Final = radians(1.0)
@@ -69,22 +69,25 @@ class SmoothedFlight:
 
 
 class FlightToSmooth:
-    """A log with everything that is known of it before it is smoothed."""
+    """The samples of a flight with everything that is known of it before it is smoothed."""
 
     def __init__(
         self,
-        source: LogSource,
-        plan: Plan,
-        vehicle: VehicleSummary,
+        samples: Iterable[Sample],
+        imu: str,
+        opening: Sequence[Sample],
         field: EarthField,
         settings: PipelineSettings,
         parameters: FlightParameters,
-        start_s: float,
-        end_s: float,
+        start_s: float = 0.0,
+        end_s: float = inf,
     ) -> None:
-        self.source: Final = source
-        self.plan: Final = plan
-        self.vehicle: Final = vehicle
+        self.samples: Final = samples
+        """All samples of the vehicle in order of time, to be read once."""
+        self.imu: Final = imu
+        """The inertial message."""
+        self.opening: Final = opening
+        """The vehicle as the log's first samples tell it."""
         self.field: Final = field
         self.settings: Final = settings
         self.parameters: Final = parameters

@@ -1,7 +1,6 @@
 """A log through the smoother: the samples of its vehicle into a lane with a recorder, and the trajectory out."""
 
 from array import array
-from math import inf
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from attest_mav.replay.north import north_of
 from attest_mav.replay.plan import make_plan
 from attest_mav.replay.smoothed import FlightToSmooth, SmoothedFlight
 from attest_mav.samples import AttitudeSample, ImuSample
+from attest_mav.smoothing.noise import with_wide_priors
 from attest_mav.smoothing.readings import Recorder
 from attest_mav.smoothing.trajectory import Trajectory, smoothed_trajectory
 from attest_mav.vehicle_reports import ParameterSample
@@ -32,7 +32,8 @@ def smooth(source: LogSource, imu: str | None = None, declination_deg: float | N
     vehicle = summary.vehicles[plan.vehicle]
     one = VelocityAided().with_vehicle_settings(vehicle.settings)
     field = north_of(vehicle, declination_deg).direction
-    flight = FlightToSmooth(source, plan, vehicle, field, PipelineSettings(), one.parameters, 0.0, inf)
+    samples = (sample for batch in source.samples(plan) for sample in batch.samples)
+    flight = FlightToSmooth(samples, plan.imu, vehicle.opening, field, PipelineSettings(), one.parameters)
     trajectory = trajectory_of(flight)
     if trajectory is None:
         raise UnreadableDataError(
@@ -58,24 +59,23 @@ def trajectory_of(flight: FlightToSmooth) -> Trajectory | None:
     """The smoothed attitude at each inertial sample; None where no attitude can be found to begin with."""
     recorder = recorded(flight)
     readings = recorder.readings()
-    return None if readings is None else smoothed_trajectory(readings, flight.parameters)
+    return None if readings is None else smoothed_trajectory(readings, with_wide_priors(flight.parameters))
 
 
 def recorded(flight: FlightToSmooth) -> Recorder:
     """The recorder after the samples of a log, which pass the same lane as for a live filter."""
     vehicle = Vehicle(flight.settings.aids)
     vehicle.field = flight.field
-    for sample in flight.vehicle.opening:
+    for sample in flight.opening:
         vehicle.take(sample)
     recorder = Recorder(flight.parameters)
-    lane = Lane(flight.plan.imu, recorder, vehicle)
+    lane = Lane(flight.imu, recorder, vehicle)
     time = LogTime()
-    for batch in flight.source.samples(flight.plan):
-        for sample in batch.samples:
-            if isinstance(sample, ImuSample):
-                is_ours = sample.source == flight.plan.imu
-                if is_ours and flight.start_s <= time.advance(sample.t_ns) <= flight.end_s:
-                    lane.handle(sample)
-            elif not isinstance(sample, AttitudeSample | ParameterSample):
-                vehicle.take(sample)
+    for sample in flight.samples:
+        if isinstance(sample, ImuSample):
+            is_ours = sample.source == flight.imu
+            if is_ours and flight.start_s <= time.advance(sample.t_ns) <= flight.end_s:
+                lane.handle(sample)
+        elif not isinstance(sample, AttitudeSample | ParameterSample):
+            vehicle.take(sample)
     return recorder

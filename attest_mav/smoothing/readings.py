@@ -6,7 +6,7 @@ that the time base admits, on its clock, the fixes that the vehicle's state lets
 
 from array import array
 from dataclasses import dataclass
-from math import isfinite, nan
+from math import inf, isfinite, nan
 from typing import Final
 
 import numpy as np
@@ -98,7 +98,7 @@ class Recorder(AttitudeFilter):
         self._mag: Vec3 | None = None
         self._t_s = 0.0
         self._rest_s = 0.0
-        self._field_s = 0.0
+        self._field_s = inf
         self._origin = VelocityOrigin.RECEIVER
         self._declination = nan
         self._alignment: Alignment | None = None
@@ -158,7 +158,9 @@ class Recorder(AttitudeFilter):
         if self._rest_s > SETTLED_S and self._field_s < SETTLED_SPACING_S:
             return False
         is_new = sample.mag is not None and sample.mag != self._mag
-        return is_new or (self._field_s > REUSE_S and norm(sample.gyro) < REST_RATE)
+        if is_new:
+            return self._field_s > self._parameters.mag_spacing_s
+        return self._field_s > REUSE_S and norm(sample.gyro) < REST_RATE
 
     def _keep_fix(self, fix: VelocitySample, now_ns: int) -> None:
         """Append a fix that is far enough from the last one."""

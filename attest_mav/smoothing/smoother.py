@@ -33,7 +33,7 @@ from attest_mav.smoothing.model import (
     State,
     first_covariance,
 )
-from attest_mav.smoothing.noise import CLASSES, NoiseClass, with_wide_priors
+from attest_mav.smoothing.noise import CLASSES, NoiseClass
 from attest_mav.smoothing.readings import Readings
 from attest_mav.smoothing.rotations import Array, matrices
 from attest_mav.types import Quat
@@ -61,7 +61,7 @@ class Smoother:
 
     def __init__(self, readings: Readings, parameters: FlightParameters) -> None:
         self._readings: Final = readings
-        self._parameters: Final = with_wide_priors(parameters)
+        self._parameters: Final = parameters
         self._steps: Final[Steps] = steps_of(readings, self._parameters)
         self._nodes: Final = nodes_of(readings)
         count = len(self._nodes)
