@@ -39,8 +39,8 @@ def test_exact_readings_give_the_attitude_from_the_first_sample_on(flown):
 
 
 def test_biases_are_found_and_do_not_stay_in_the_attitude(flown):
-    gyro = flown.gyro + [0.005, -0.004, 0.003]
-    accel = flown.accel + [0.05, -0.05, 0.05]
+    gyro = flown.gyro + np.array([0.005, -0.004, 0.003])
+    accel = flown.accel + np.array([0.05, -0.05, 0.05])
     found = smooth_arrays(flown.t, gyro, accel, flown.mag, flown.velocity, 0.0, EXACT)
     tilt, heading = errors_deg(found, flown.q)
     # An accelerometer that is off by 0.05 m/s^2 leans a filter without its bias by 0.3 degrees.
