@@ -9,6 +9,8 @@ import pytest
 from attest_mav.cli.smoothing import smoothed
 from attest_mav.errors import UnreadableDataError
 from attest_mav.filters.gradient_descent.filter import GradientDescent
+from attest_mav.filters.velocity_aided.filter import VelocityAided
+from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.logs.formats import open_source
 from attest_mav.replay.csv_table import CsvTable
 from attest_mav.replay.engine import replay
@@ -19,10 +21,11 @@ from attest_mav.smoothing.log import smooth
 
 LAPS = (Path(__file__).parents[1] / "data" / "copter_square_laps.tlog").read_bytes()
 QUICK = (GradientDescent(),)
+QUICK_AND_SURE = (*QUICK, VelocityAided(FlightParameters(accel_bias_sigma=0.0)))
 
 
-def report(outputs=None, **options):
-    request = Request(QUICK, window=Window(skip_s=0.0), smooth=smoothed, **options)
+def report(filters=QUICK, outputs=None, **options):
+    request = Request(filters, window=Window(skip_s=0.0), smooth=smoothed, **options)
     return as_json("laps", replay(open_source(LAPS, "laps"), request, outputs or Outputs()))
 
 
@@ -41,20 +44,27 @@ def test_beside_a_truth_it_has_a_row_and_its_figures():
 
 
 def test_an_error_is_the_same_against_it_as_against_the_truth():
-    by_truth, by_smoothed = report(), report(reference="smoothed")
+    by_truth, by_smoothed = report(QUICK_AND_SURE), report(QUICK_AND_SURE, reference="smoothed")
     true, seen = (one["filters"][0]["tilt_deg"]["rms"] for one in (by_truth, by_smoothed))
     assert true > 1.0
     assert seen == pytest.approx(true, rel=0.05)
     reference = by_smoothed["reference"]
     assert reference["message"] == "smoothed"
     assert reference["samples"] > 900
-    assert 0.0 < reference["sigma"]["tilt_deg"]["rms"] < 3.0
-    assert any("smoothed attitude" in note and "sigma" in note for note in by_smoothed["notes"])
+    assert 0.0 < reference["sigma"]["tilt_deg"]["rms"] < 1.0
+    assert any("whose own sigma is" in note for note in by_smoothed["notes"])
+
+
+def test_where_its_sigma_is_large_it_says_so_and_judges_nothing():
+    result = report(reference="smoothed")  # 20 s show no bias of the accelerometer
+    assert result["filters"][0]["samples"] == 0
+    assert result["reference"]["sigma"]["unsure"] > 900
+    assert any("sigma is above 1 deg of tilt" in note for note in result["notes"])
 
 
 def test_its_rows_are_in_the_table_and_in_the_annotated_log():
     text, annotated = StringIO(), BytesIO()
-    report(Outputs(attitudes=CsvTable(text).rows_of("laps"), annotated=annotated), reference="smoothed")
+    report(outputs=Outputs(attitudes=CsvTable(text).rows_of("laps"), annotated=annotated), reference="smoothed")
     rows = [row for row in csv.DictReader(StringIO(text.getvalue())) if row["filter"] == "smoothed"]
     assert len(rows) > 900
     assert all(row[column] for row in rows for column in ("roll_deg", "pitch_deg", "yaw_deg", "tilt_sigma_deg"))
