@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from math import isfinite
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,9 @@ from attest_mav.smoothing.rotations import (
 )
 from attest_mav.smoothing.smoother import Result, Smoother
 from attest_mav.types import North
+
+CHUNK: Final = 32768
+"""Readings whose matrices are held at a time."""
 
 
 @dataclass(frozen=True)
@@ -58,25 +62,38 @@ def at_samples(readings: Readings, result: Result, parameters: FlightParameters)
     intervals, smoothed = result.intervals, result.smoothed
     node_s = readings.t_s[intervals.nodes]
     before = np.clip(np.searchsorted(node_s, readings.t_s, side="right") - 1, 0, len(node_s) - 2)
-    last = readings.t_s >= node_s[-1]
-    share = np.where(last, 1.0, (readings.t_s - node_s[before]) / intervals.dt_s[before])
-    turn_at = matrices(intervals.turn_at)
-    turn_at[last] = intervals.turn[before[last]]
-    # What the gyro misses from one node to the next is spread over the time between them.
-    predicted = np.matmul(smoothed.attitude[:-1], intervals.turn)
-    missed = vectors_of_matrices(np.matmul(np.swapaxes(predicted, 1, 2), smoothed.attitude[1:]))
-    missed[intervals.is_gap] = 0.0
-    carried = np.matmul(smoothed.attitude[before], turn_at)
-    low_passed = quaternions(np.matmul(carried, matrices_of_vectors(share[:, np.newaxis] * missed[before])))
+    share = np.minimum(1.0, (readings.t_s - node_s[before]) / intervals.dt_s[before])
+    low_passed = _low_passed(result, before, share)
     bias, scale = smoothed.x[before][:, B], smoothed.x[before][:, S]
     rates = readings.gyro - bias - scale * readings.gyro
     delay = _low_pass_delay(result, readings, parameters)
     q_nb, along = _turned_on(readings, low_passed, rates, delay)
-    spread = smoothed.spread[before] + share[:, np.newaxis] * (smoothed.spread[before + 1] - smoothed.spread[before])
+    variances = smoothed.spread[:, :3]
+    spread = variances[before] + share[:, np.newaxis] * (variances[before + 1] - variances[before])
     tilt = np.sqrt(spread[:, 0] + spread[:, 1] + along[:, 0] ** 2 + along[:, 1] ** 2)
     heading = np.sqrt(spread[:, 2] + along[:, 2] ** 2)
     north = North.TRUE if isfinite(readings.declination) else North.MAGNETIC
     return Trajectory(readings.t_ns, readings.t_s, q_nb, rates, tilt, heading, north, result.noise.name)
+
+
+def _low_passed(result: Result, before: NDArray[np.int64], share: Array) -> Array:
+    """The attitude that the low-passed sensors see at each reading. before: the node before it; share: of its interval.
+
+    The turn that the gyro misses from one node to the next is spread over the time between them.
+    """
+    intervals, attitude = result.intervals, result.smoothed.attitude
+    predicted = np.matmul(attitude[:-1], intervals.turn)
+    missed = vectors_of_matrices(np.matmul(np.swapaxes(predicted, 1, 2), attitude[1:]))
+    missed[intervals.is_gap] = 0.0
+    out = np.empty((len(before), 4))
+    for begin in range(0, len(before), CHUNK):
+        rows = slice(begin, begin + CHUNK)
+        node = before[rows]
+        carried = np.matmul(attitude[node], matrices(intervals.turn_at[rows]))
+        closing = matrices_of_vectors(share[rows, np.newaxis] * missed[node])
+        out[rows] = quaternions(np.matmul(carried, closing))
+    out[-1] = quaternions(attitude[-1])
+    return out
 
 
 def _low_pass_delay(result: Result, readings: Readings, parameters: FlightParameters) -> LowPassDelay:

@@ -68,6 +68,15 @@ def test_a_gap_is_one_problem_with_the_rest(flown):
     assert np.abs(heading).max() < 0.2
 
 
+def test_one_reading_behind_a_gap_has_an_attitude_of_its_own_and_a_large_sigma(flown):
+    kept = (flown.t < 20.0) | (np.arange(len(flown.t)) == len(flown.t) - 1)
+    parts = [array[kept] for array in (flown.t, flown.gyro, flown.accel, flown.mag, flown.velocity)]
+    found = smooth_arrays(*parts, 0.0, EXACT)
+    assert len(found.q_nb) == np.count_nonzero(kept) - 1
+    assert found.tilt_sigma[-1] > 0.1
+    assert errors_deg(found, flown.q[kept])[0][:-1].max() < 0.1
+
+
 def test_sigma_covers_the_errors_of_noisy_sensors(flown):
     rng = np.random.default_rng(3)
     gyro = flown.gyro + 0.003 * rng.standard_normal(flown.gyro.shape)
