@@ -180,7 +180,9 @@ def command(
             replayed = partial(replay_here, work=Work(request, table, annotated, page))
         outcomes = replayed(paths)
         if results_path is not None:
-            work = f"{version_text()} {chosen} {pipeline} {imu} {reference} {declination_deg} {window} {vehicle} {smooths}"
+            work = (
+                f"{version_text()} {chosen} {pipeline} {imu} {reference} {declination_deg} {window} {vehicle} {smooths}"
+            )
             work += " as it came" if as_it_came else ""
             results = Results(results_path, work)
             stack.enter_context(results.open())
