@@ -1,6 +1,7 @@
 """``attest-mav replay``: filters over recorded flights, compared with a reference."""
 
 from contextlib import ExitStack
+from dataclasses import replace
 from functools import partial
 from math import inf
 
@@ -30,9 +31,11 @@ from attest_mav.cli.replay_work import (
     report_file,
     resumed,
 )
+from attest_mav.cli.smoothing import smoothed
 from attest_mav.cli.version import version_text
 from attest_mav.filters.registry import filter_names
 from attest_mav.logs.formats import inertial_names, reference_names
+from attest_mav.logs.source import SMOOTHED
 from attest_mav.replay.limits import LIMITED, parse_limit
 from attest_mav.replay.plan import check_names
 from attest_mav.replay.request import Request
@@ -52,7 +55,15 @@ from attest_mav.runtime.results import Results
     help=f"Filters to run, of {', '.join(filter_names())}, or MODULE:CLASS; {AUTO}: velocity-aided.",
 )
 @click.option("--imu", metavar="MESSAGE", help=f"Inertial message to use, of {', '.join(inertial_names())}.")
-@click.option("--reference", metavar="MESSAGE", help=f"What to compare with, of {', '.join(reference_names())}.")
+@click.option(
+    "--reference",
+    metavar="MESSAGE",
+    help=f"What to compare with, of {', '.join((*reference_names(), SMOOTHED))}; {SMOOTHED} is made of all readings "
+    "of the flight, before and behind each instant.",
+)
+@click.option(
+    "--smooth", "smooths", is_flag=True, help="Compare the smoothed attitude too, where the reference is another."
+)
 @click.option(
     "--vehicle",
     metavar="SYSTEM[/COMPONENT]",
@@ -77,7 +88,12 @@ from attest_mav.runtime.results import Results
     metavar="FILE",
     help="Write the same as a Parquet file, with types and units (needs the extra parquet).",
 )
-@click.option("--tlog", "tlog_path", metavar="FILE", help="Write the log with the first filter's attitudes inserted.")
+@click.option(
+    "--tlog",
+    "tlog_path",
+    metavar="FILE",
+    help="Write the log with the smoothed attitudes inserted, or without a smoother those of the first filter.",
+)
 @click.option(
     "--report", "report_path", metavar="FILE", help="Write one page (HTML) with charts and figures of the log."
 )
@@ -125,6 +141,7 @@ def command(
     filters: str,
     imu: str | None,
     reference: str | None,
+    smooths: bool,
     vehicle: str | None,
     config_file: str | None,
     changes: tuple[str, ...],
@@ -147,16 +164,17 @@ def command(
     """Run filters over LOGs and compare them, and the autopilot's own attitude, with a reference.
 
     LOG is a telemetry log (tlog), a bare MAVLink stream, ArduPilot's DataFlash log (.bin, .log) or PX4's ULog.
-    Messages that are not named are chosen: the best inertial message, and a simulator's truth as reference where there
-    is one. Errors are in degrees: the angle between the gravity directions (tilt), and what is left (heading). A folder
-    stands for all logs in it, and a pattern such as 'flights/*.tlog' for those that match; several logs end with a
-    summary, the worst first.
+    Messages that are not named are chosen: the best inertial message, and as reference a simulator's truth where there
+    is one, else the smoothed attitude where rate and aids allow it, else the autopilot's own. Errors are in degrees:
+    the angle between the gravity directions (tilt), and what is left (heading). A folder stands for all logs in it, and
+    a pattern such as 'flights/*.tlog' for those that match; several logs end with a summary, the worst first.
     """
     check_names(imu, reference)
     check_declination(declination_deg)
     chosen, pipeline = configured(filters, config_file, changes)
     window = window_of(start_s, end_s, skip_s)
     request = Request(chosen, imu, reference, declination_deg, window, vehicle_of(vehicle), pipeline, as_it_came)
+    request = replace(request, smooth=smoothed, smooths_beside_truth=smooths)
     paths = log_paths(logs)
     outputs = {
         "--csv": csv_path,
@@ -185,7 +203,9 @@ def command(
             replayed = partial(replay_spread, request=request, workers=workers, parts=parts)
         outcomes = replayed(paths)
         if results_path is not None:
-            work = f"{version_text()} {chosen} {pipeline} {imu} {reference} {declination_deg} {window} {vehicle}"
+            work = (
+                f"{version_text()} {chosen} {pipeline} {imu} {reference} {declination_deg} {window} {vehicle} {smooths}"
+            )
             work += " as it came" if as_it_came else ""
             results = Results(results_path, work)
             stack.enter_context(results.open())

@@ -71,11 +71,17 @@ def _count(number: int, noun: str) -> str:
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
+def _compared(report: dict[str, Any]) -> list[dict[str, Any]]:
+    """The filters, and the smoothed attitude where it is compared."""
+    smoothed = report["smoothed"]
+    return [*report["filters"], *([] if smoothed is None or not smoothed["samples"] else [smoothed])]
+
+
 def _table(report: dict[str, Any]) -> Table:
     """One row a filter, and the autopilot's own below them."""
     heading = "heading" if report["north"]["reference"] == "true" else "magn.\nheading"
     table = _figure_table("error", "tilt\nrms", "p95", "max", f"{heading}\nrms", "p95", "max", "compared\nsamples")
-    for one in report["filters"]:
+    for one in _compared(report):
         table.add_row(one["name"], *_figures(one), str(one["samples"]))
     own = report["autopilot"]
     if own is not None:
@@ -112,7 +118,7 @@ def _sigma_table(report: dict[str, Any]) -> Table:
     """One row a filter that has sigmas, and below them what a consistent one would show; ratio: error / sigma."""
     columns = [label for kind in ("tilt", "heading") for label in (f"{kind}\n1 sigma", "2", "3", "ratio\nrms")]
     table = _figure_table("its own sigma:\n% within", *columns)
-    for one in report["filters"]:
+    for one in _compared(report):
         if one["consistency"] is not None:
             table.add_row(one["name"], *_shares(one["consistency"]["tilt"]), *_shares(one["consistency"]["heading"]))
     table.add_row("if consistent", *CONSISTENT, style="dim")

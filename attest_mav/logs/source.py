@@ -20,6 +20,9 @@ VehicleId = tuple[int, int]
 Progress = Callable[[float], None]
 """Is called with the share of the work done, 0 to 1."""
 
+SMOOTHED: Final = "smoothed"
+"""The reference that is no message: the smoothed attitude, made of the inertial samples and their aids."""
+
 EXPECTED: Final = "a tlog, a DataFlash log (.bin, .log) or a ULog"
 """The log formats, for error messages."""
 
@@ -122,7 +125,7 @@ class Plan:
     imu: str
     """The inertial message."""
     reference: str | None
-    """The attitude that all others are compared with."""
+    """The attitude that all others are compared with; ``SMOOTHED`` for the smoothed one."""
     autopilot: str | None
     """The autopilot's own attitude, unless that is the reference."""
     timing: str | None
@@ -134,7 +137,7 @@ class Plan:
     def messages(self) -> frozenset[str]:
         """The names above."""
         names = (self.imu, self.reference, self.autopilot, self.timing, *self.other_sensors)
-        return frozenset(name for name in names if name is not None)
+        return frozenset(name for name in names if name is not None and name != SMOOTHED)
 
 
 class LogBytes(Protocol):

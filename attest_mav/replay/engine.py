@@ -10,7 +10,9 @@ from typing import Final
 
 from attest_mav.earth_field import LocalField
 from attest_mav.errors import UnreadableDataError, UsageError
+from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.logs.source import (
+    SMOOTHED,
     AnnotatableSource,
     ByteSink,
     EstimateWriter,
@@ -18,13 +20,16 @@ from attest_mav.logs.source import (
     LogSummary,
     Plan,
     Progress,
+    VehicleSummary,
 )
 from attest_mav.replay.flight import Flight
 from attest_mav.replay.north import north_of
 from attest_mav.replay.notes import all_notes, choice_notes
 from attest_mav.replay.plan import make_plan, suitable_filter
 from attest_mav.replay.request import Outputs, Request
+from attest_mav.replay.smoothed import FlightToSmooth, SmoothedFlight
 from attest_mav.samples import Sample
+from attest_mav.types import EarthField
 from attest_mav.vehicle_settings import VehicleSettings
 
 SUMMARY_SHARE: Final = 0.2
@@ -63,10 +68,13 @@ class Recording:
 def replay(source: LogSource, request: Request, outputs: Outputs) -> Replay:
     """Replay a log. UnreadableDataError names what is missing in it."""
     summary = source.summary(_part_of(outputs.progress, 0.0, SUMMARY_SHARE))
-    plan = make_plan(summary, request.imu, request.reference, request.vehicle)
+    plan = make_plan(summary, request.imu, request.reference, request.vehicle, smooths=request.smooth is not None)
     vehicle = summary.vehicles[plan.vehicle]
     north = north_of(vehicle, request.declination_deg)
     filters = request.filters or (suitable_filter(),)
+    smoothed = _smoothed(source, plan, vehicle, north.direction, request)
+    if plan.reference == SMOOTHED and smoothed is None:
+        plan = make_plan(summary, request.imu, request.reference, request.vehicle)
     flight = Flight(
         plan,
         filters if request.as_it_came else [one.with_vehicle_settings(vehicle.settings) for one in filters],
@@ -78,6 +86,7 @@ def replay(source: LogSource, request: Request, outputs: Outputs) -> Replay:
         request.pipeline,
         outputs.observer,
         (vehicle.first_settings or vehicle.settings) if request.as_it_came else None,
+        smoothed,
     )
     if outputs.observer is not None:
         outputs.observer.begin(north.direction)
@@ -88,6 +97,33 @@ def replay(source: LogSource, request: Request, outputs: Outputs) -> Replay:
     notes = [] if request.filters else choice_notes(summary, plan)
     notes += [*all_notes(source, summary, plan, flight, filters), *north.notes]
     return Replay(summary, plan, north.field, flight, tuple(notes))
+
+
+def _smoothed(
+    source: LogSource, plan: Plan, vehicle: VehicleSummary, field: EarthField, request: Request
+) -> SmoothedFlight | None:
+    """The smoothed attitude, if it is the reference or wanted beside it."""
+    smooth, window = request.smooth, request.window
+    is_reference = plan.reference == SMOOTHED
+    if smooth is None or not (is_reference or request.smooths_beside_truth):
+        return None
+    ours = [one for one in request.filters if isinstance(one, VelocityAided)]
+    one = (ours[0] if ours else VelocityAided()).with_vehicle_settings(vehicle.settings)
+    samples = (sample for batch in source.samples(plan) for sample in batch.samples)
+    flight = FlightToSmooth(
+        samples,
+        plan.imu,
+        vehicle.opening,
+        field,
+        request.pipeline,
+        one.parameters,
+        window.start_s,
+        window.end_s,
+    )
+    smoothed = smooth(flight)
+    if smoothed is None and request.reference == SMOOTHED:
+        raise UnreadableDataError(f"{plan.imu} shows no attitude that the smoother could begin with")
+    return smoothed
 
 
 def record(

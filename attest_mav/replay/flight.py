@@ -21,10 +21,12 @@ from attest_mav.replay.peaks import WallClock
 from attest_mav.replay.phases import FlightPhases
 from attest_mav.replay.reference_track import ReferenceTrack
 from attest_mav.replay.request import Window
+from attest_mav.replay.smoothed import SmoothedFlight
+from attest_mav.replay.smoothed_run import SmoothedRun
 from attest_mav.replay.stamping import BurstStamp, Stamped
 from attest_mav.replay.verdict_log import VerdictLog
 from attest_mav.samples import AttitudeSample, ImuSample, PositionSample, Sample
-from attest_mav.types import NO_TIME, AttitudeRole, EarthField, North
+from attest_mav.types import NO_TIME, AttitudeRole, EarthField, North, Quat, Vec3
 from attest_mav.vehicle_reports import ParameterSample
 from attest_mav.vehicle_settings import VehicleSettings
 
@@ -75,6 +77,7 @@ class Flight:
         settings: PipelineSettings | None = None,
         observer: FlightObserver | None = None,
         first_settings: VehicleSettings | None = None,
+        smoothed: SmoothedFlight | None = None,
     ) -> None:
         """first_settings: what filters know at first, where they shall learn the rest as the log tells it.
 
@@ -91,7 +94,11 @@ class Flight:
         ]
         self.autopilot: Final = Comparison(AUTOPILOT, reference, sink) if plan.autopilot is not None else None
         """The comparison of the autopilot's own attitude."""
+        self.smoothed: Final = None if smoothed is None else SmoothedRun(smoothed, plan, reference, sink)
+        """The smoothed attitude, as the reference or beside it."""
         self._comparisons: Final = [run.comparison for run in self.runs]
+        if self.smoothed is not None:
+            self._comparisons.append(self.smoothed.comparison)
         if self.autopilot is not None:
             self._comparisons.append(self.autopilot)
         self.imu: Final = Regularity()
@@ -176,6 +183,8 @@ class Flight:
         self.phases.turn(sample.gyro[2], elapsed_s)
         self.clock.settle(self._time)
         self._reference.add_rates(sample.t_ns % WRAP_NS, sample.gyro)
+        if self.smoothed is not None:
+            self._take_smoothed(self.smoothed, sample, elapsed_s, position)
         self._fly(sample, elapsed_s, position)
 
     def _fly(self, sample: ImuSample, elapsed_s: float, position: int) -> None:
@@ -198,8 +207,24 @@ class Flight:
                     if observer is not None:
                         observer.estimate(run.comparison.name, event, sample)
                     self._take_estimate(run, event, elapsed_s)
-                    if self._writer is not None and run is self.runs[0]:
+                    if self._writer is not None and run is self.runs[0] and self.smoothed is None:
                         self._writer.insert(event, position)
+
+    @property
+    def _reference_is_sure(self) -> bool:
+        """False where the reference is a smoothed attitude with too large a sigma."""
+        return self.smoothed is None or self.smoothed.is_sure
+
+    def _take_smoothed(self, run: SmoothedRun, sample: ImuSample, elapsed_s: float, position: int) -> None:
+        """The smoothed attitude at an inertial sample: into the reference, or beside it, and into the annotated log."""
+        estimate = run.take(sample, elapsed_s, elapsed_s >= self.runs[0].aligned_s + self.window.skip_s)
+        if estimate is None:
+            return
+        if self._writer is not None:
+            self._writer.insert(estimate, position)
+        if run.is_reference:
+            self.reference_samples += 1
+            self._extend_reference(sample.t_ns, estimate.q_nb, estimate.rates)
 
     def _judge(self, run: FilterRun, events: Sequence[Event]) -> None:
         """Keep the verdicts beside a filter, and the events of its lane."""
@@ -225,7 +250,7 @@ class Flight:
                 estimate.north,
                 estimate.tilt_sigma,
                 estimate.heading_sigma,
-                elapsed_s >= run.aligned_s + self.window.skip_s,
+                elapsed_s >= run.aligned_s + self.window.skip_s and self._reference_is_sure,
                 estimate.innovations,
             )
         )
@@ -258,7 +283,7 @@ class Flight:
         if self.autopilot is None or not self.imu.samples:
             return
         elapsed_s = self._time.at(sample.t_ns)
-        counted = elapsed_s >= self.runs[0].aligned_s + self.window.skip_s
+        counted = elapsed_s >= self.runs[0].aligned_s + self.window.skip_s and self._reference_is_sure
         self.autopilot.add(Attitude(sample.t_ns, elapsed_s, sample.q_nb, North.TRUE, nan, nan, counted))
 
     def _take_stamped(self, stamped: Stamped | None) -> None:
@@ -267,8 +292,11 @@ class Flight:
 
     def _take_reference(self, sample: AttitudeSample, t_ns: int) -> None:
         """Extend the reference, and compare the attitudes that waited for it."""
-        self._reference.add(t_ns % WRAP_NS, sample.q_nb, sample.rates)
+        self._extend_reference(t_ns, sample.q_nb, sample.rates)
+
+    def _extend_reference(self, t_ns: int, q_nb: Quat, rates: Vec3 | None) -> None:
+        self._reference.add(t_ns % WRAP_NS, q_nb, rates)
         if self._observer is not None and self.imu.samples:
-            self._observer.reference(sample.q_nb, self._time.at(t_ns))
+            self._observer.reference(q_nb, self._time.at(t_ns))
         for comparison in self._comparisons:
             comparison.settle()

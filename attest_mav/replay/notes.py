@@ -1,7 +1,7 @@
 """Remarks for the reader of a replay's figures, one line each."""
 
 from collections.abc import Iterable, Sequence
-from math import isfinite
+from math import degrees, isfinite
 
 from attest_mav.estimation.body_frames import ARDUPILOT
 from attest_mav.filters.base import AttitudeFilter
@@ -9,6 +9,7 @@ from attest_mav.logs.source import LogSource, LogSummary, Plan, VehicleSummary
 from attest_mav.replay.flight import Flight
 from attest_mav.replay.plan import replayable
 from attest_mav.replay.sampling_notes import coverage_notes, rate_notes
+from attest_mav.replay.smoothed import LARGEST_HEADING, LARGEST_TILT
 from attest_mav.vehicle_reports import HeartbeatSample, ParameterSample
 from attest_mav.vehicle_settings import Setting, quantity, with_unit
 
@@ -25,6 +26,7 @@ def all_notes(
         *_unfit_attitudes(vehicle, plan),
         *rate_notes(plan, flight),
         *coverage_notes(plan, flight),
+        *_smoothed(flight),
         *_truth_repeated(plan, flight),
         *_untold_trim(summary, plan, flight),
         *flight.imu_frame.history,
@@ -54,6 +56,24 @@ def _unfit_attitudes(vehicle: VehicleSummary, plan: Plan) -> list[str]:
     """A line for each attitude that is not compared, or should not have been."""
     used = (plan.reference, plan.autopilot)
     return [reason if name in used else f"{reason}; not compared" for name, reason in vehicle.unfit.items()]
+
+
+def _smoothed(flight: Flight) -> list[str]:
+    """The error that a smoothed reference may have itself, and the part of the flight that it does not judge."""
+    run = flight.smoothed
+    if run is None or not run.is_reference:
+        return []
+    tilt, heading = run.sigmas.tilt(), run.sigmas.heading()
+    notes = []
+    if tilt is not None and heading is not None:
+        notes.append(
+            f"errors are differences from the smoothed attitude, whose own sigma is {tilt.rms:.2f} deg of tilt and "
+            f"{heading.rms:.2f} deg of heading (rms)"
+        )
+    if run.unsure:
+        limits = f"{degrees(LARGEST_TILT):.0f} deg of tilt or {degrees(LARGEST_HEADING):.0f} deg of heading"
+        notes.append(f"at {run.unsure} samples the smoothed attitude's sigma is above {limits}: not compared there")
+    return notes
 
 
 def _truth_repeated(plan: Plan, flight: Flight) -> list[str]:

@@ -6,7 +6,7 @@ from attest_mav.errors import UnreadableDataError, UsageError
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.registry import default_filter
 from attest_mav.logs.formats import inertial_names, reference_names
-from attest_mav.logs.source import LogSummary, MessageRoles, Plan, VehicleSummary
+from attest_mav.logs.source import SMOOTHED, LogSummary, MessageRoles, Plan, VehicleSummary
 
 VehicleChoice = tuple[int, int | None]
 """System and component of the vehicle to read; None for any component of the system."""
@@ -15,6 +15,9 @@ ENOUGH: Final = 0.5
 """An attitude with this share of the messages of the most frequent one, over this share of its span, is as good."""
 TRUTH_SHARE: Final = 0.1
 """A simulator's truth is preferred to the autopilot's attitude if it has at least this share of its messages."""
+SMOOTHED_HZ: Final = 10.0
+"""The smoothed attitude is a reference by itself where the inertial message comes at this rate or faster: below, motion
+is lost between the samples."""
 FULL_SHARE: Final = 0.9
 """An inertial message with at least this share of the largest count is as good as the most frequent one."""
 
@@ -23,23 +26,35 @@ def check_names(imu: str | None, reference: str | None) -> None:
     """Raise UsageError unless both are messages of a readable format."""
     if imu is not None and imu not in inertial_names():
         raise UsageError(f"unknown inertial message {imu!r}; known: {', '.join(inertial_names())}")
-    if reference is not None and reference not in reference_names():
-        raise UsageError(f"unknown reference {reference!r}; known: {', '.join(reference_names())}")
+    known = (*reference_names(), SMOOTHED)
+    if reference is not None and reference not in known:
+        raise UsageError(f"unknown reference {reference!r}; known: {', '.join(known)}")
 
 
-def make_plan(summary: LogSummary, imu: str | None, reference: str | None, wanted: VehicleChoice | None = None) -> Plan:
+def make_plan(
+    summary: LogSummary,
+    imu: str | None,
+    reference: str | None,
+    wanted: VehicleChoice | None = None,
+    *,
+    smooths: bool = False,
+) -> Plan:
     """Choose what is not named; an inertial message that is named is used without the other sensors.
 
+    smooths: the smoothed attitude can be had, and is the reference of a log without a truth that allows it.
     UnreadableDataError if what is named, or an inertial message, is missing.
     """
     roles = summary.roles
     vehicle = _choose_vehicle(summary, imu, wanted)
-    if reference is not None and not vehicle.count(reference):
+    if reference not in (None, SMOOTHED) and not vehicle.count(reference):
         instead = _instead(vehicle, roles.named_reference)
         raise UnreadableDataError(f"no {reference} in it to compare with{instead}")
-    chosen = reference or _choose_reference(vehicle, roles)
     autopilot = _fullest(vehicle, roles.autopilot)
     inertial = imu or _choose_imu(vehicle)
+    chosen = reference or _choose_truth(vehicle, roles)
+    if chosen is None and smooths and _allows_smoothing(summary, vehicle, inertial):
+        chosen = SMOOTHED
+    chosen = chosen or _choose_reference(vehicle, roles)
     return Plan(
         vehicle.vehicle,
         inertial,
@@ -96,12 +111,21 @@ def _vehicles_instead(summary: LogSummary) -> str:
     return f"; it has {', '.join(present)}" if present else ""
 
 
-def _choose_reference(vehicle: VehicleSummary, roles: MessageRoles) -> str | None:
-    """A simulator's truth if there is enough of it, else the fullest of the autopilot's attitudes."""
+def _choose_truth(vehicle: VehicleSummary, roles: MessageRoles) -> str | None:
+    """A simulator's truth if there is enough of it."""
     count = max([vehicle.count(name) for name in roles.reference], default=0)
-    truths = [name for name in roles.truth if vehicle.count(name) >= TRUTH_SHARE * count]
+    return _fullest(vehicle, tuple([name for name in roles.truth if vehicle.count(name) >= TRUTH_SHARE * count]))
+
+
+def _allows_smoothing(summary: LogSummary, vehicle: VehicleSummary, imu: str) -> bool:
+    """Whether rate and aids of the log promise a smoothed attitude better than the autopilot's own."""
+    return vehicle.has_velocity and vehicle.count(imu) >= SMOOTHED_HZ * summary.duration_s > 0.0
+
+
+def _choose_reference(vehicle: VehicleSummary, roles: MessageRoles) -> str | None:
+    """The fullest of the autopilot's attitudes, else what there is of a truth."""
     others = tuple(name for name in roles.reference if name not in roles.truth)
-    return _fullest(vehicle, tuple(truths)) or _fullest(vehicle, others) or _fullest(vehicle, roles.truth)
+    return _fullest(vehicle, others) or _fullest(vehicle, roles.truth)
 
 
 def _fullest(vehicle: VehicleSummary, names: tuple[str, ...]) -> str | None:

@@ -37,14 +37,32 @@ def as_json(name: str, replay: Replay) -> dict[str, Any]:
         },
         "reference": None
         if plan.reference is None
-        else {"message": plan.reference, "samples": flight.reference_samples},
+        else {"message": plan.reference, "samples": flight.reference_samples, "sigma": _reference_sigma(flight)},
         "filters": [_filter(run.comparison, flight) for run in flight.runs],
+        "smoothed": _smoothed(flight),
         "autopilot": None
         if flight.autopilot is None
         else {"message": plan.autopilot, **_errors(flight.autopilot, flight)},
         "verdict": verdict_of(flight),
         "notes": list(replay.notes),
     }
+
+
+def _reference_sigma(flight: Flight) -> dict[str, Any] | None:
+    """The reference's own 1-sigma over the samples that count; None for one that is a message."""
+    run = flight.smoothed
+    if run is None or not run.is_reference:
+        return None
+    sigmas = run.sigmas
+    return {"tilt_deg": _spread(sigmas.tilt()), "heading_deg": _spread(sigmas.heading()), "unsure": run.unsure}
+
+
+def _smoothed(flight: Flight) -> dict[str, Any] | None:
+    """The smoothed attitude: its class of noise, and its figures where it is compared with another reference."""
+    run = flight.smoothed
+    if run is None:
+        return None
+    return {"noise": run.noise, **_filter(run.comparison, flight)}
 
 
 def _north(replay: Replay) -> dict[str, Any]:

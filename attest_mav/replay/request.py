@@ -14,6 +14,7 @@ from attest_mav.logs.source import ByteSink, Progress
 from attest_mav.replay.comparison import ComparisonSink
 from attest_mav.replay.observer import FlightObserver
 from attest_mav.replay.plan import VehicleChoice
+from attest_mav.replay.smoothed import Smooth
 
 
 class _AsCall:
@@ -64,6 +65,10 @@ class Request:
     """Thresholds of the verdict, and what aids the filters."""
     as_it_came: bool = False
     """Whether filters know settings and field only from when the log tells them, as the daemon did in flight."""
+    smooth: Smooth | None = None
+    """The smoother, a function of a module so that pickle takes it; None to do without."""
+    smooths_beside_truth: bool = False
+    """Whether the smoothed attitude is compared too where the reference is another."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         """The call that makes the request again, for pickle."""
@@ -77,6 +82,8 @@ class Request:
             self.vehicle,
             _as_call(self.pipeline),
             self.as_it_came,
+            self.smooth,
+            self.smooths_beside_truth,
         )
 
 

@@ -87,7 +87,7 @@ def test_json_is_one_object_a_log_one_a_line(attest_mav):
     keys = {"log", "format", "frames", "bad_bytes", "duration_s", "imu", "reference", "filters", "autopilot"}
     assert keys <= laps.keys()
     assert set(laps["imu"]) == {"message", "samples", "rate_hz", "gaps"}
-    assert set(laps["reference"]) == {"message", "samples"}
+    assert set(laps["reference"]) == {"message", "samples", "sigma"}
     assert set(laps["filters"][0]) == {
         "name",
         "samples",

@@ -45,7 +45,8 @@ def test_the_object_has_the_keys_of_the_contract(log):
     assert result["bad_bytes"] == 0
     assert result["duration_s"] == pytest.approx(4.0)
     assert result["imu"] == {"message": "RAW_IMU", "samples": 151, "rate_hz": pytest.approx(50.0), "gaps": 0}
-    assert result["reference"] == {"message": "SIM_STATE", "samples": 151}
+    assert result["reference"] == {"message": "SIM_STATE", "samples": 151, "sigma": None}
+    assert result["smoothed"] is None
     assert [one["name"] for one in result["filters"]] == ["gradient-descent"]
     assert set(result["filters"][0]["tilt_deg"]) == {"rms", "p95", "max"}
     assert result["autopilot"]["message"] == "ATTITUDE"
@@ -182,7 +183,7 @@ def test_attitudes_of_other_components_are_no_reference(log):
         log.imu(t_ms)
         log.add("ATTITUDE_QUATERNION", t_ms, {"time_boot_ms": t_ms, "q1": 1.0}, sender=(1, 193))
     result = report(log)
-    assert result["reference"] == {"message": "ATTITUDE", "samples": 150}
+    assert result["reference"] == {"message": "ATTITUDE", "samples": 150, "sigma": None}
 
 
 def test_of_two_vehicles_the_one_with_more_samples_is_taken_and_the_other_named(log):

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import pytest
 
 from attest_mav.errors import UnreadableDataError, UsageError
@@ -53,6 +55,37 @@ def test_the_reference_is_chosen_in_the_order_of_the_contract(log, present, refe
     fill(log, RAW_IMU=2, **dict.fromkeys(present, 1))
     plan = plan_of(log)
     assert (plan.reference, plan.autopilot, plan.timing) == (reference, autopilot, timing)
+
+
+@pytest.mark.parametrize(
+    ("present", "velocity_lack", "duration_s", "chosen"),
+    [
+        ("ATTITUDE", "", 5.0, "smoothed"),
+        ("ATTITUDE", "it has no GPS_RAW_INT", 5.0, "ATTITUDE"),
+        ("ATTITUDE", "", 5.1, "ATTITUDE"),  # 50 samples: less than 10 Hz
+        ("SIM_STATE", "", 5.0, "SIM_STATE"),
+    ],
+    ids=["allowed", "no velocity", "slow", "truth"],
+)
+def test_without_a_truth_the_smoothed_attitude_is_chosen_where_the_log_allows_it(
+    log, present, velocity_lack, duration_s, chosen
+):
+    log.heartbeat()
+    fill(log, RAW_IMU=50, **{present: 50})
+    summary = TlogSource(log.data, log.dialect).summary()
+    vehicle = replace(summary.vehicles[1, 1], velocity_lack=velocity_lack)
+    summary = replace(summary, vehicles={(1, 1): vehicle}, duration_s=duration_s)
+    assert make_plan(summary, None, None, smooths=True).reference == chosen
+    assert make_plan(summary, None, None).reference == present
+
+
+def test_the_smoothed_attitude_is_no_message_and_the_autopilots_is_compared_with_it(log):
+    log.heartbeat()
+    fill(log, RAW_IMU=5, ATTITUDE=5)
+    plan = plan_of(log, reference="smoothed")
+    assert (plan.reference, plan.autopilot, plan.timing) == ("smoothed", "ATTITUDE", None)
+    assert plan.messages == {"RAW_IMU", "ATTITUDE"}
+    check_names(None, "smoothed")
 
 
 def test_what_is_named_is_taken(log):

@@ -66,7 +66,14 @@ def first_lag_covariance(declination_sigma: float, parameters: FlightParameters)
 
 
 def low_pass_delay(nav: NavigationState, interval_s: float, parameters: FlightParameters) -> LowPassDelay:
-    """The low-pass's delay by the magnetometer's lag as it is estimated. interval_s: of the inertial messages.
+    """The low-pass's delay by the magnetometer's lag as it is estimated. interval_s: of the inertial messages."""
+    return low_pass_delay_by(nav.mag_lag_s, nav.covariance.dd[0][0], interval_s, parameters)
+
+
+def low_pass_delay_by(
+    mag_lag_s: float, lag_variance: float, interval_s: float, parameters: FlightParameters
+) -> LowPassDelay:
+    """The same for a lag of the magnetometer (s) with this variance.
 
     A mean is as old as half the interval when a message first shows it, beyond its age when it is new.
     """
@@ -75,6 +82,6 @@ def low_pass_delay(nav: NavigationState, interval_s: float, parameters: FlightPa
         return LowPassDelay(assumed_s, 0.0)
     older_s = 0.5 * (min(interval_s, MEAN_INTERVAL_S) - USUAL_INTERVAL_S)
     share = common / (common + parameters.mag_delay_sigma**2)
-    lead_s = nominal_mag_lag_s(parameters) + older_s - nav.mag_lag_s
-    variance = (1.0 - share) * common + share * share * nav.covariance.dd[0][0]
+    lead_s = nominal_mag_lag_s(parameters) + older_s - mag_lag_s
+    variance = (1.0 - share) * common + share * share * lag_variance
     return LowPassDelay(max(assumed_s + share * lead_s, 0.0), sqrt(variance))
