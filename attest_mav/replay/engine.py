@@ -27,7 +27,7 @@ from attest_mav.replay.north import north_of
 from attest_mav.replay.notes import all_notes, choice_notes
 from attest_mav.replay.plan import make_plan, suitable_filter
 from attest_mav.replay.request import Outputs, Request
-from attest_mav.replay.smoothed import FlightToSmooth, SmoothedFlight
+from attest_mav.replay.smoothed import FlightToSmooth, SmoothedFlight, samples_of
 from attest_mav.samples import Sample
 from attest_mav.types import EarthField
 from attest_mav.vehicle_settings import VehicleSettings
@@ -109,9 +109,8 @@ def _smoothed(
         return None
     ours = [one for one in request.filters if isinstance(one, VelocityAided)]
     one = (ours[0] if ours else VelocityAided()).with_vehicle_settings(vehicle.settings)
-    samples = (sample for batch in source.samples(plan) for sample in batch.samples)
     flight = FlightToSmooth(
-        samples,
+        samples_of(source, plan),
         plan.imu,
         vehicle.opening,
         field,

@@ -5,7 +5,7 @@ brings it along.
 """
 
 from array import array
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import inf, radians
 from typing import Final
 
@@ -13,6 +13,7 @@ from mypy_extensions import mypyc_attr
 
 from attest_mav.estimation.pipeline import PipelineSettings
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
+from attest_mav.logs.source import LogSource, Plan
 from attest_mav.samples import Sample
 from attest_mav.types import EarthField, North, Quat, Vec3
 
@@ -66,6 +67,12 @@ class SmoothedFlight:
         self._next += 1
         q_w, q_x, q_y, q_z, p, q, r, tilt_sigma, heading_sigma = self._rows[place : place + COLUMNS]
         return SmoothedAttitude((q_w, q_x, q_y, q_z), (p, q, r), tilt_sigma, heading_sigma)
+
+
+def samples_of(source: LogSource, plan: Plan) -> Iterator[Sample]:
+    """The samples of a log, one after the other."""
+    for batch in source.samples(plan):
+        yield from batch.samples
 
 
 class FlightToSmooth:

@@ -13,7 +13,7 @@ from attest_mav.logs.source import LogSource
 from attest_mav.replay.log_time import LogTime
 from attest_mav.replay.north import north_of
 from attest_mav.replay.plan import make_plan
-from attest_mav.replay.smoothed import FlightToSmooth, SmoothedFlight
+from attest_mav.replay.smoothed import FlightToSmooth, SmoothedFlight, samples_of
 from attest_mav.samples import AttitudeSample, ImuSample
 from attest_mav.smoothing.noise import with_wide_priors
 from attest_mav.smoothing.readings import Recorder
@@ -32,8 +32,9 @@ def smooth(source: LogSource, imu: str | None = None, declination_deg: float | N
     vehicle = summary.vehicles[plan.vehicle]
     one = VelocityAided().with_vehicle_settings(vehicle.settings)
     field = north_of(vehicle, declination_deg).direction
-    samples = (sample for batch in source.samples(plan) for sample in batch.samples)
-    flight = FlightToSmooth(samples, plan.imu, vehicle.opening, field, PipelineSettings(), one.parameters)
+    flight = FlightToSmooth(
+        samples_of(source, plan), plan.imu, vehicle.opening, field, PipelineSettings(), one.parameters
+    )
     trajectory = trajectory_of(flight)
     if trajectory is None:
         raise UnreadableDataError(
