@@ -20,7 +20,8 @@ from attest_mav.evaluation.flight_study.sensor_errors import SETS, with_sensor_e
 from attest_mav.evaluation.harness import Bound
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.logs.source import SMOOTHED
-from attest_mav.replay.engine import Recording
+from attest_mav.logs.tlog.source import open_tlog
+from attest_mav.replay.engine import Recording, record
 from attest_mav.replay.flight import AUTOPILOT, Flight
 from attest_mav.replay.request import Window
 from attest_mav.replay.smoothed import FlightToSmooth
@@ -111,7 +112,8 @@ SHORT: Final = (
 
 def measured(case: Case, log: bytes) -> Line:
     """The figures of a case beside its bounds. log: the bytes of the tlog."""
-    recording = recorded(log)
+    # Edits are of one sensor; a log as it is flies with all of them, as in a replay.
+    recording = record(open_tlog(log), every_sensor=True) if case.edits == (WHOLE,) else recorded(log)
     if case.by_smoothed:
         return Line(_label(case), _judged(recording), case.bounds)
     flights = [_flown(recording, edit(recording.samples, recording.plan.imu)) for edit in case.edits]
