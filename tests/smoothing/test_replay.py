@@ -17,6 +17,7 @@ from attest_mav.replay.engine import replay
 from attest_mav.replay.report import as_json
 from attest_mav.replay.request import Outputs, Request, Window
 from attest_mav.replay.smoothed import SmoothedAttitude
+from attest_mav.replay.table_rows import TableRows
 from attest_mav.smoothing.log import smooth
 
 LAPS = (Path(__file__).parents[1] / "data" / "copter_square_laps.tlog").read_bytes()
@@ -64,7 +65,8 @@ def test_where_its_sigma_is_large_it_says_so_and_judges_nothing():
 
 def test_its_rows_are_in_the_table_and_in_the_annotated_log():
     text, annotated = StringIO(), BytesIO()
-    report(outputs=Outputs(attitudes=CsvTable(text).rows_of("laps"), annotated=annotated), reference="smoothed")
+    rows = TableRows("laps", [CsvTable(text)])
+    report(outputs=Outputs(annotated=annotated, observer=rows), reference="smoothed")
     rows = [row for row in csv.DictReader(StringIO(text.getvalue())) if row["filter"] == "smoothed"]
     assert len(rows) > 900
     assert all(row[column] for row in rows for column in ("roll_deg", "pitch_deg", "yaw_deg", "tilt_sigma_deg"))
