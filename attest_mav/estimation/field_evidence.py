@@ -6,11 +6,12 @@ direction that it had while both agreed is the right one. A reading that jumps u
 magnetometer's own change, and moves that direction.
 """
 
+from math import asin, nan
 from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import add, norm, rotate, scale, sub, unit
+from attest_mav.algebra import add, clamp, norm, rotate, scale, sub, unit
 from attest_mav.estimation.timebase import wrapped_difference_ns
 from attest_mav.estimation.witness.field_watch import FieldWatch
 from attest_mav.record import Record
@@ -24,6 +25,9 @@ AGAINST_US: Final = 0.0
 JUMP: Final = 0.06
 JUMP_USUALS: Final = 6.0
 """Change of the direction between two readings, beyond both, as a share of the field: no turn makes it under both."""
+FOREIGN: Final = 0.5
+"""rad: a field whose inclination is further from that of the Earth's at the place was made by something else. A
+calibrated magnetometer beside iron errs by some degrees."""
 FRESH_S: Final = 1.5
 """Age of the last reading up to which the field tells something, s."""
 APART_USUALS: Final = 2.0
@@ -36,13 +40,21 @@ class FieldReading(Record):
     """One reading of the magnetometer, with what our filter made of it.
 
     field: in the body, gauss. hard_iron: of it by our filter, gauss. q_nb: our attitude at its instant, t_ns.
+    inclination: of the Earth's field at the place, rad, NaN where it is not known.
     """
 
-    def __init__(self, field: Vec3, hard_iron: Vec3, q_nb: Quat, t_ns: int) -> None:
+    def __init__(self, field: Vec3, hard_iron: Vec3, q_nb: Quat, t_ns: int, inclination: float = nan) -> None:
         self.field: Final = field
         self.hard_iron: Final = hard_iron
         self.q_nb: Final = q_nb
         self.t_ns: Final = t_ns
+        self.inclination: Final = inclination
+
+    @property
+    def is_foreign(self) -> bool:
+        """Whether the Earth's field cannot be what it shows."""
+        sine = clamp(self.direction(self.hard_iron)[2], -1.0, 1.0)
+        return abs(asin(sine) - self.inclination) > FOREIGN
 
     def direction(self, hard_iron: Vec3) -> Vec3:
         """Direction of the field in NED by our attitude, free of this hard iron, unit length."""
@@ -62,12 +74,14 @@ class FieldEvidence:
         self._ours: Vec3 = (0.0, 0.0, 0.0)
         self._theirs: Vec3 = (0.0, 0.0, 0.0)
         self._for_us = False
+        self._is_foreign = False
         self._t_ns = -1
 
     def take(self, reading: FieldReading, turn: Quat, agree: bool) -> None:
         """Take the newest reading. turn: NED rotation from our attitude to the autopilot's; agree: they are near."""
         if reading.t_ns == self._t_ns:
             return
+        self._is_foreign = reading.is_foreign
         if agree:
             self._hard_iron = reading.hard_iron
         ours = reading.direction(self._hard_iron)
@@ -94,6 +108,11 @@ class FieldEvidence:
         if self._watch.mean is None or age_s > FRESH_S or self._for_us:
             return False
         return by_heading or self._are_apart
+
+    @property
+    def tells_no_heading(self) -> bool:
+        """Whether the headings have never agreed, and the field cannot be the Earth's: ours may rest on iron."""
+        return self._watch.mean is None and self._is_foreign
 
     @property
     def _are_apart(self) -> bool:

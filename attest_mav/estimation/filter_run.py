@@ -75,7 +75,7 @@ class FilterRun:
             rates,
             north,
             state.tilt_sigma,
-            state.stated_heading_sigma,
+            state.heading_sigma,
             dt_s,
             delay_s,
             state.innovations,

@@ -171,6 +171,7 @@ class Judge:
         off = offence or next((one.reason for one in differences if one.is_off), "")
         by_heading = offence != "" or not first.heading_is_near
         unsupported = source.disagrees and off != "" and source.field.forbids(sample.t_ns, by_heading)
+        unsupported = unsupported or (off == "heading" and source.field.tells_no_heading)
         if self._doubts or unsupported:
             return _verdict(Agreement.UNDECIDED, "doubted", first, source, sample)
         if source.disagrees and (off != "" or source.is_accused):

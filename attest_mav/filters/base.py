@@ -168,11 +168,6 @@ class FilterState(Record):
         return None
 
     @property
-    def stated_heading_sigma(self) -> float:
-        """1-sigma of the heading for others, rad: wider than the filter's own where that leaves errors out."""
-        return self.heading_sigma
-
-    @property
     def sigma_is_proven(self) -> bool:
         """True while the sigmas cover the errors in flight too, so that a verdict may go by them."""
         return False

@@ -89,7 +89,8 @@ class Recorder(AttitudeFilter):
     """Takes the steps of a lane and keeps their readings. It has no state of its own, and estimates nothing."""
 
     def __init__(self, parameters: FlightParameters) -> None:
-        self._parameters: Final = parameters
+        self.parameters: Final = parameters
+        """Of the model, for what is admitted."""
         self._t_ns = array("q")
         self._rows = array("d")
         self._fixes = array("d")
@@ -159,14 +160,14 @@ class Recorder(AttitudeFilter):
             return False
         is_new = sample.mag is not None and sample.mag != self._mag
         if is_new:
-            return self._field_s > self._parameters.mag_spacing_s
+            return self._field_s > self.parameters.mag_spacing_s
         return self._field_s > REUSE_S and norm(sample.gyro) < REST_RATE
 
     def _keep_fix(self, fix: VelocitySample, now_ns: int) -> None:
         """Append a fix that is far enough from the last one."""
         last = self._last_fix
-        apart_s = self._parameters.fix_spacing_s if last is None else (fix.t_ns - last.t_ns) * 1e-9
-        spacing_s = SETTLED_SPACING_S if self._rest_s > SETTLED_S else self._parameters.fix_spacing_s
+        apart_s = self.parameters.fix_spacing_s if last is None else (fix.t_ns - last.t_ns) * 1e-9
+        spacing_s = SETTLED_SPACING_S if self._rest_s > SETTLED_S else self.parameters.fix_spacing_s
         if not is_velocity(fix.v_ned) or (0.0 <= apart_s < spacing_s - 1e-3):
             return
         self._last_fix = fix
@@ -191,10 +192,10 @@ class Recorder(AttitudeFilter):
         if alignment is None or sample.saturated or alignment.began_saturated:
             self._alignment, self._alignment_row = new_alignment(reading, sample.t_ns), row
             return
-        alignment = accumulate(alignment, reading, sample, inputs, (0.0, 0.0, 0.0), dt_s, self._parameters)
+        alignment = accumulate(alignment, reading, sample, inputs, (0.0, 0.0, 0.0), dt_s, self.parameters)
         self._alignment = alignment
         declination = self._declination if isfinite(self._declination) else 0.0
-        initial = solve_alignment(alignment, declination, inputs.inclination, self._parameters)
+        initial = solve_alignment(alignment, declination, inputs.inclination, self.parameters)
         if initial is not None:
             q_nb = q_mul(initial.q_nb, q_conj(alignment.rotation.q_start_body))
             self._stretches.append(Stretch(self._begin, self._alignment_row, q_nb))

@@ -1,6 +1,6 @@
 """The magnetic field between an autopilot and us, on attitudes and readings made for it; 10 Hz."""
 
-from math import radians
+from math import cos, radians, sin
 
 import pytest
 
@@ -85,3 +85,25 @@ def test_without_readings_the_field_forbids_nothing():
     readings.go_on(1.0, ours=(0.0, 0.0, 8.0))
     assert readings.forbids(later_s=1.0)
     assert not readings.forbids(later_s=2.0)
+
+
+@pytest.mark.parametrize(
+    ("dip_deg", "earths_deg", "tells_none"), [(64.0, 70.0, False), (35.0, 70.0, True), (-70.0, 70.0, True)]
+)
+def test_a_heading_that_never_agreed_counts_only_in_a_field_that_can_be_the_earths(dip_deg, earths_deg, tells_none):
+    field = (0.5 * cos(radians(dip_deg)), 0.0, 0.5 * sin(radians(dip_deg)))
+    evidence = FieldEvidence()
+    level, apart = (1.0, 0.0, 0.0, 0.0), turn((0.0, 0.0, 40.0))
+    for k in range(1, 50):
+        evidence.take(FieldReading(field, (0.0, 0.0, 0.0), level, k * S // 10, radians(earths_deg)), apart, agree=False)
+    assert evidence.tells_no_heading is tells_none
+    unknown = FieldReading(field, (0.0, 0.0, 0.0), level, 6 * S)
+    evidence.take(unknown, apart, agree=False)
+    assert not evidence.tells_no_heading
+
+
+def test_headings_that_agreed_once_are_compared_in_any_field():
+    readings = Readings()
+    foreign = FieldReading((0.5, 0.0, 0.0), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), 9 * S, radians(70.0))
+    readings.evidence.take(foreign, turn((0.0, 0.0, 40.0)), agree=False)
+    assert not readings.evidence.tells_no_heading

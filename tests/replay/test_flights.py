@@ -94,7 +94,7 @@ def test_an_autopilot_that_flies_on_the_truth_is_recognised(data_folder, dialect
     data = path.read_bytes()
     result = report(data, dialect)
     assert result["frames"] == 23_894
-    assert result["reference"] == {"message": "SIMSTATE", "samples": 889}
+    assert result["reference"] == {"message": "SIMSTATE", "samples": 889, "sigma": None}
     assert result["autopilot"]["tilt_deg"]["p95"] == 0.0
     assert any("simulator's truth" in note for note in result["notes"])
     # Its second estimator is not: the figures of AHRS2 against the truth are known.

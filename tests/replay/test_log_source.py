@@ -116,7 +116,7 @@ def test_the_report_names_the_formats_own_messages_and_counts():
     result = report(StillSource(own=(LOG_ROLL_DEG + 1.0, 0.0)))
     assert (result["format"], result["frames"], result["bad_bytes"]) == ("still", 1200, 7)
     assert result["imu"] == {"message": "IMU[0]", "samples": 400, "rate_hz": pytest.approx(100.0), "gaps": 0}
-    assert result["reference"] == {"message": "TRUTH", "samples": 400}
+    assert result["reference"] == {"message": "TRUTH", "samples": 400, "sigma": None}
     assert result["autopilot"]["message"] == "EKF"
     assert "IMU[0] was made by a test" in result["notes"]
 

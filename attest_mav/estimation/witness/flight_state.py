@@ -3,7 +3,6 @@
 Every function gives a new state; the equations of the filter stay as they are.
 """
 
-from math import nan
 from typing import Final, cast
 
 from attest_mav.algebra import add, norm, q_exp, q_mul, scale, sub
@@ -76,17 +75,20 @@ def field_direction(state: FilterState, sample: ImuSample) -> Vec3 | None:
     if navigation is None or field is None or not norm(sub(field, navigation.estimate.hard_iron)) > 0.0:
         return None
     rate = body_rate(navigation.estimate, navigation.imu.gyro)
-    return levelled_field(navigation.estimate, field, rate, navigation.assumed_declination, nan).direction
+    return levelled_field(navigation.estimate, field, rate, navigation.assumed_declination).direction
 
 
-def field_reading(state: FilterState, sample: ImuSample) -> FieldReading | None:
-    """The sample's reading with the attitude at its time, None without a reading or an attitude."""
+def field_reading(state: FilterState, sample: ImuSample, inclination: float) -> FieldReading | None:
+    """The sample's reading with the attitude at its time, None without a reading or an attitude.
+
+    inclination: of the Earth's field, rad, NaN where it is not known.
+    """
     navigation, field = navigation_of(state), field_of(sample)
     if navigation is None or field is None:
         return None
     nav = navigation.estimate
     back = scale(body_rate(nav, navigation.imu.gyro), -0.5 * nav.mag_lag_s)
-    return FieldReading(field, nav.hard_iron, q_mul(nav.q_nb, q_exp(back)), sample.t_ns)
+    return FieldReading(field, nav.hard_iron, q_mul(nav.q_nb, q_exp(back)), sample.t_ns, inclination)
 
 
 def has_field_reading(state: FilterState) -> bool:

@@ -115,7 +115,7 @@ class LaneWatch(Stepper):
         after = state if self.standing == Standing.ASIDE else self._stepped(one, state, dt_s, sample, inputs)
         self.moments.append(Moment(sample.t_ns, dt_s, sample, inputs, state, after))
         if self.standing != Standing.ASIDE:
-            self._watch_field(after, sample)
+            self._watch_field(after, sample, inputs.inclination)
             self._check_rest(one)
         return after
 
@@ -181,9 +181,9 @@ class LaneWatch(Stepper):
         self.fix_seen_ns = sample.t_ns
         self.fixes.take(record.nis)
 
-    def _watch_field(self, state: FilterState, sample: ImuSample) -> None:
-        """Compare the direction of a new reading with the usual one."""
+    def _watch_field(self, state: FilterState, sample: ImuSample, inclination: float) -> None:
+        """Compare the direction of a new reading with the usual one. inclination: of the Earth's field, rad."""
         direction = field_direction(state, sample) if has_field_reading(state) else None
         if direction is not None:
             self.field.take(direction, sample.t_ns, self.situation.calm)
-            self.field_reading = field_reading(state, sample)
+            self.field_reading = field_reading(state, sample, inclination)

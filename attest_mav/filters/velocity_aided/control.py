@@ -68,7 +68,7 @@ def navigate(
         wind = estimate_wind(wind, nav, airspeed_ahead(inputs), dt_s)
     else:
         nav, fallback = _fuse_fallback(nav, before, mode, imu, inputs, dt_s, parameters)
-    nav, magnetometer = _fuse_field(nav, before, reading, sample, dt_s, inputs.inclination, parameters)
+    nav, magnetometer = _fuse_field(nav, before, reading, sample, dt_s, parameters)
     return Navigation(
         nav,
         imu.with_attitude(nav),
@@ -141,10 +141,9 @@ def _fuse_field(
     reading: Reading,
     sample: ImuSample,
     dt_s: float,
-    inclination: float,
     parameters: FlightParameters,
 ) -> tuple[NavigationState, Magnetometer]:
-    """State and magnetometer memory after the sample's field, if it is a new one. inclination: of the Earth's, rad."""
+    """State and magnetometer memory after the sample's field, if it is a new one."""
     memory = before.magnetometer
     field = field_of(sample)
     if field is None:
@@ -154,7 +153,7 @@ def _fuse_field(
     if not reading_is_due(memory, sample, dt_s, parameters):
         return nav, memory.skipped(sample, dt_s, None)
     rate = body_rate(nav, scale(add(before.imu.gyro, reading.gyro), 0.5))
-    levelled = levelled_field(nav, field, rate, before.assumed_declination, inclination)
+    levelled = levelled_field(nav, field, rate, before.assumed_declination)
     estimates_sensors = not before.stationary.is_settled
     nav, magnetometer = fuse_magnetometer(nav, memory, sample, levelled, dt_s, estimates_sensors, parameters)
     # The vertical velocity is not always measured, and then drifts.

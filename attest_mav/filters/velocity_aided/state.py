@@ -1,6 +1,5 @@
 """State of the flight filter: aligned or not, the aid that holds the attitude, and the records of its step."""
 
-from math import isfinite, pi
 from typing import Final
 
 from mypy_extensions import mypyc_attr
@@ -11,9 +10,6 @@ from attest_mav.filters.velocity_aided.navigation import AidingMode, Navigation
 from attest_mav.innovation import Innovation
 from attest_mav.types import North, Quat, Vec3
 
-UNAIDED_HEADING: Final = 5.0
-"""Factor of the heading's sigma until a magnetometer has agreed once: from an unknown heading the velocity can lead to
-a wrong one, off by up to half a turn, which the linear covariance does not show."""
 NORTH_LOST: Final = 0.5
 """rad: with a heading less certain than this there is no north."""
 
@@ -60,17 +56,9 @@ class VelocityAidedState(FilterState):
     def referred_to(self) -> North | None:
         """The north that the heading refers to."""
         navigation = self.navigation
-        if navigation is None or self.stated_heading_sigma > NORTH_LOST:
+        if navigation is None or self.heading_sigma > NORTH_LOST:
             return North.RELATIVE
         return North.MAGNETIC if navigation.declination is None else North.TRUE
-
-    @property
-    def stated_heading_sigma(self) -> float:
-        """The sigma of the heading, rad, wider until a magnetometer has agreed with it."""
-        navigation = self.navigation
-        if navigation is None or isfinite(navigation.magnetometer.since_accepted_s):
-            return self.heading_sigma
-        return min(pi, UNAIDED_HEADING * self.heading_sigma)
 
     @property
     def sigma_is_proven(self) -> bool:

@@ -1,7 +1,5 @@
 """Each measurement against differences: its residual when the truth is moved by a small error."""
 
-from math import nan
-
 import numpy as np
 import pytest
 
@@ -77,7 +75,7 @@ def test_velocity_measurements(axis):
 
 def test_heading_measurement():
     field, rate, declination = (0.2, -0.3, 0.25), (0.3, -0.5, 0.8), 0.04
-    levelled = levelled_field(nav(), field, rate, declination, nan)
+    levelled = levelled_field(nav(), field, rate, declination)
     measurement = levelled.measurement
     assert levelled.strength == pytest.approx(np.linalg.norm(np.subtract(field, nav().hard_iron)))
     assert np.linalg.norm(levelled.direction) == pytest.approx(1.0)

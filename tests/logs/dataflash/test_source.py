@@ -49,7 +49,7 @@ def test_an_autopilot_is_off_by_the_roll_that_the_test_wrote(writer):
     assert (result["format"], result["bad_bytes"], result["frames"]) == ("dataflash", 0, len(writer.starts))
     assert result["duration_s"] == pytest.approx(4.0 - 0.02 + 0.999)
     assert result["imu"] == {"message": "IMU", "samples": 200, "rate_hz": pytest.approx(50.0), "gaps": 0}
-    assert result["reference"] == {"message": "SIM", "samples": 200}
+    assert result["reference"] == {"message": "SIM", "samples": 200, "sigma": None}
     assert result["filters"][0]["tilt_deg"]["rms"] == pytest.approx(0.0, abs=0.01)
     assert result["autopilot"]["message"] == "ATT"
     assert result["autopilot"]["tilt_deg"]["rms"] == pytest.approx(3.0, abs=1e-5)

@@ -67,7 +67,7 @@ def test_an_autopilot_is_off_by_the_roll_that_the_test_wrote(writer):
     assert (result["format"], result["bad_bytes"], result["frames"]) == ("ulog", 0, len(writer.starts))
     assert result["duration_s"] == pytest.approx(499 * 0.004, abs=1e-3)
     assert result["imu"] == {"message": "sensor_combined", "samples": 500, "rate_hz": pytest.approx(250.0), "gaps": 0}
-    assert result["reference"] == {"message": "vehicle_attitude_groundtruth", "samples": 500}
+    assert result["reference"] == {"message": "vehicle_attitude_groundtruth", "samples": 500, "sigma": None}
     assert result["filters"][0]["tilt_deg"]["rms"] == pytest.approx(0.0, abs=0.01)
     assert result["autopilot"]["message"] == "vehicle_attitude"
     assert result["autopilot"]["tilt_deg"]["rms"] == pytest.approx(4.0, abs=1e-4)

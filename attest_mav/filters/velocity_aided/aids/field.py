@@ -4,12 +4,12 @@ The heading measurement alone goes into the filter. The whole residual, three co
 shows errors of two of the three gyro axes at the rate of the magnetometer, and is for a monitor to judge by.
 """
 
-from math import asin, cos, sin
+from math import cos, sin
 from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import clamp, cross, dot, mat_vec, norm, q_exp, q_mul, q_to_matrix, scale, sub, unit_axis
+from attest_mav.algebra import cross, dot, mat_vec, norm, q_exp, q_mul, q_to_matrix, scale, sub, unit_axis
 from attest_mav.filters.velocity_aided.measurement import CrossCovariance, Measurement
 from attest_mav.filters.velocity_aided.nav_state import (
     DEADBAND_RATE,
@@ -24,18 +24,12 @@ from attest_mav.record import Record
 from attest_mav.samples import ImuSample
 from attest_mav.types import Mat3, Vec3
 
-FOREIGN: Final = 0.5
-"""rad: a field whose inclination is further from that of the Earth's at the place is not the Earth's. A calibrated
-magnetometer beside iron errs by some degrees."""
-
 
 @mypyc_attr(acyclic=True)
 class LevelledField(Record):
     """One reading, turned into NED by the attitude at its time and freed of hard iron."""
 
-    def __init__(
-        self, measurement: Measurement, direction: Vec3, strength: float, rate: float, foreign_share: float
-    ) -> None:
+    def __init__(self, measurement: Measurement, direction: Vec3, strength: float, rate: float) -> None:
         self.measurement: Final = measurement
         """The component along magnetic east as a share of the strength, with its sign changed; zero in truth."""
         self.direction: Final = direction
@@ -44,17 +38,10 @@ class LevelledField(Record):
         """gauss."""
         self.rate: Final = rate
         """Angular rate of the body, rad/s."""
-        self.foreign_share: Final = foreign_share
-        """Deviation of its inclination's sine from that of the Earth's field, 0 for one that can be the Earth's."""
 
 
-def levelled_field(
-    nav: NavigationState, field: Vec3, rate: Vec3, declination: float, inclination: float
-) -> LevelledField:
-    """The reading ``field`` (gauss, body) of a body that turns at ``rate`` (rad/s).
-
-    declination: assumed, rad. inclination: of the Earth's field, rad, NaN where it is not known.
-    """
+def levelled_field(nav: NavigationState, field: Vec3, rate: Vec3, declination: float) -> LevelledField:
+    """The reading ``field`` (gauss, body) of a body that turns at ``rate`` (rad/s); declination: assumed, rad."""
     iron_free = sub(field, nav.hard_iron)
     strength = norm(iron_free)
     then = _attitude_then(nav, rate)
@@ -68,17 +55,7 @@ def levelled_field(
         m=scale(mat_t_vec(then, east), -1.0 / strength),
         d=(-dot(east, lag), 0.0, -(cos(north) * direction[0] + sin(north) * direction[1])),
     )
-    return LevelledField(measurement, direction, strength, norm(rate), foreign_share(direction[2], inclination))
-
-
-def foreign_share(sine: float, inclination: float) -> float:
-    """Deviation of the sine of a field's inclination from that of the Earth's field; 0 where it can be that one's.
-
-    inclination: of the Earth's field, rad, NaN where it is not known.
-    """
-    if not abs(asin(clamp(sine, -1.0, 1.0)) - inclination) > FOREIGN:
-        return 0.0
-    return abs(sine - sin(inclination))
+    return LevelledField(measurement, direction, strength, norm(rate))
 
 
 def _attitude_then(nav: NavigationState, rate: Vec3) -> Mat3:

@@ -2,10 +2,8 @@
 
 The measurement is the field's component along magnetic east, which is zero in truth. Strength and inclination are not
 fused, so no model of them is needed; they are monitored. A deviation there is taken as the size of the unobservable
-disturbance of the heading, for as long as ``disturbance_hold_s``. A field whose inclination is far from that of the
-Earth's field at the place never agrees: iron, a wrong orientation or an uncalibrated sensor made it. (Magnetic heading
-and its errors: Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., section
-6.1.1.)
+disturbance of the heading, for as long as ``disturbance_hold_s``. (Magnetic heading and its errors: Groves, Principles
+of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., section 6.1.1.)
 
 RAW_IMU repeats a magnetometer of 10 Hz: a reading is new when it differs from the one before. At rest it may stay the
 same for good reason, and is fused again now and then.
@@ -39,8 +37,6 @@ POWER_FLOOR: Final = 1e-8
 """Share of the field, squared: what it may always count for."""
 NOISE_FACTOR: Final = 2.0
 """The noise of a reading as a multiple of the innovations' rms."""
-FOREIGN_VARIANCE: Final = 1e6
-"""Share of the field, squared: a foreign field errs alike in all readings, so that many of them tell no more."""
 USUAL_S: Final = 60.0
 """Time constant with which the usual field follows an undisturbed one, s."""
 LAG_ERROR_S: Final = 0.03
@@ -149,20 +145,18 @@ def fuse_magnetometer(
     measurement = field.measurement
     residual = measurement.residual
     since_s = magnetometer.since_reading_s + dt_s
-    deviation = max(_deviation(magnetometer.usual, field, nav.tilt_sigma, parameters), field.foreign_share)
+    deviation = _deviation(magnetometer.usual, field, nav.tilt_sigma, parameters)
     disturbance = max(deviation, magnetometer.disturbance * exp(-since_s / parameters.disturbance_hold_s))
     cross_cov = cross_covariance_of(nav, measurement)
     nominal = _nominal_variance(magnetometer.innovation_power, measurement.d[0], parameters)
     normalised = abs(residual) / sqrt(cross_cov.state_variance + nominal)
-    agrees = normalised < parameters.mag_gate and field.foreign_share <= 0.0
+    agrees = normalised < parameters.mag_gate
     power = magnetometer.innovation_power
     if agrees:
         power = averaged_power(power, residual**2, POWER_SHARE, POWER_STEP, POWER_FLOOR)
     else:
         disturbance = max(disturbance, abs(residual))
     variance = nominal * inflation(normalised, parameters.mag_knee) + (parameters.disturbance_weight * disturbance) ** 2
-    if field.foreign_share > 0.0:
-        variance = FOREIGN_VARIANCE
     return fuse(nav, measurement, cross_cov, variance, estimates_sensors), Magnetometer(
         sample.mag,
         0.0,

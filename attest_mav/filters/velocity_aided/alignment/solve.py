@@ -8,13 +8,12 @@ Integrated Navigation Systems, 2nd ed., section 5.6.)
 """
 
 from enum import IntEnum
-from math import acos, cos, isfinite, pi, sin, sqrt
+from math import cos, isfinite, pi, sin, sqrt
 from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import add, clamp, cross, dot, norm, q_mul, rotate, scale, sub, unit
-from attest_mav.filters.velocity_aided.aids.field import FOREIGN, foreign_share
+from attest_mav.algebra import add, cross, norm, q_mul, rotate, scale, sub, unit
 from attest_mav.filters.velocity_aided.alignment.collect import Alignment, AlignmentFix
 from attest_mav.filters.velocity_aided.alignment.wahba import LEAST_ANGLE, AttitudeFit, VectorPair, solve_wahba, triad
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
@@ -86,40 +85,30 @@ def solve_alignment(
     declination, inclination: of the field, rad; inclination NaN when it is not known.
     """
     if alignment.still.duration_s >= STILL_S and (alignment.field.count > 0 or alignment.elapsed_s > FIELD_PATIENCE_S):
-        angles = (declination, inclination)
-        return _by_gravity(alignment, alignment.still.delta_velocity, angles, AlignmentMethod.STATIONARY)
-    pairs = _vector_pairs(alignment, parameters)
-    if pairs:
-        pairs += _field_pairs(alignment, pairs, declination, inclination)
+        return _by_gravity(alignment, alignment.still.delta_velocity, declination, AlignmentMethod.STATIONARY)
+    pairs = _vector_pairs(alignment, declination, inclination, parameters)
     fit = _with_unseen_rotation(solve_wahba(pairs), alignment.rotation.unseen_variance) if pairs else None
     if fit is not None and (_is_good_enough(fit, parameters) or alignment.elapsed_s > parameters.align_patience_s):
         return _by_velocity(alignment, fit, parameters)
     force_felt = norm(alignment.history.newest.delta_velocity) > LEAST_FORCE * alignment.elapsed_s
     if force_felt and alignment.elapsed_s > parameters.align_patience_s:
-        angles = (declination, inclination)
-        return _by_gravity(alignment, alignment.history.newest.delta_velocity, angles, AlignmentMethod.ASSUMED_GRAVITY)
+        return _by_gravity(
+            alignment, alignment.history.newest.delta_velocity, declination, AlignmentMethod.ASSUMED_GRAVITY
+        )
     return None
 
 
 def _by_gravity(
-    alignment: Alignment, delta_velocity: Vec3, angles: tuple[float, float], method: AlignmentMethod
+    alignment: Alignment, delta_velocity: Vec3, declination: float, method: AlignmentMethod
 ) -> InitialState:
-    """Begin as if ``delta_velocity`` (start's axes, m/s) pointed up: at rest, or as a guess.
-
-    angles: declination and inclination of the field, rad. A foreign field tells no heading.
-    """
-    declination, inclination = angles
+    """Begin as if ``delta_velocity`` (start's axes, m/s) pointed up: at rest, or as a guess."""
     stationary = method == AlignmentMethod.STATIONARY
     tilt, heading = (
         (STATIONARY_TILT, STATIONARY_HEADING) if stationary else (ASSUMED_GRAVITY_TILT, ASSUMED_GRAVITY_HEADING)
     )
     down = scale(delta_velocity, -1.0 / norm(delta_velocity))
     east = cross(down, alignment.field.total)
-    known = (
-        alignment.field.count > 0
-        and norm(east) > LEAST_ANGLE * alignment.field.count
-        and foreign_share(dot(down, unit(alignment.field.total)), inclination) <= 0.0
-    )
+    known = alignment.field.count > 0 and norm(east) > LEAST_ANGLE * alignment.field.count
     first = VectorPair(down, (0.0, 0.0, 1.0), 1.0)
     if known:
         q_nb = triad(first, VectorPair(unit(east), (-sin(declination), cos(declination), 0.0), 1.0))
@@ -160,8 +149,10 @@ def _is_good_enough(fit: AttitudeFit, parameters: FlightParameters) -> bool:
     return p[0][0] + p[1][1] < parameters.align_tilt**2 and p[2][2] < parameters.align_heading**2
 
 
-def _vector_pairs(alignment: Alignment, parameters: FlightParameters) -> list[VectorPair]:
-    """The directions collected of the velocity gained between fixes. None before two fixes.
+def _vector_pairs(
+    alignment: Alignment, declination: float, inclination: float, parameters: FlightParameters
+) -> list[VectorPair]:
+    """The directions collected: of the velocity gained between fixes, and of the field. None before two fixes.
 
     The gain between the first fix and the last is the most certain; the links of a chain between them differ in
     direction when the vehicle turns, and so show what the first and the field leave open where they are parallel.
@@ -176,24 +167,10 @@ def _vector_pairs(alignment: Alignment, parameters: FlightParameters) -> list[Ve
         if fix.t_ns - link.t_ns >= base_ns:
             pairs += _delta_velocity_pairs(link, fix, parameters)
             link = fix
+    if alignment.field.count > 0 and isfinite(inclination) and norm(alignment.field.total) > 0.0:
+        world = (cos(inclination) * cos(declination), cos(inclination) * sin(declination), sin(inclination))
+        pairs.append(VectorPair(unit(alignment.field.total), world, FIELD_SIGMA**2))
     return pairs
-
-
-def _field_pairs(
-    alignment: Alignment, gained: list[VectorPair], declination: float, inclination: float
-) -> list[VectorPair]:
-    """The direction of the field beside those of the velocity gained; none for a foreign field.
-
-    The angle between the field and the longest gain, which mostly points up, is the same in both axes.
-    """
-    if alignment.field.count == 0 or not isfinite(inclination) or not norm(alignment.field.total) > 0.0:
-        return []
-    world = (cos(inclination) * cos(declination), cos(inclination) * sin(declination), sin(inclination))
-    field = unit(alignment.field.total)
-    inside = abs(
-        acos(clamp(dot(field, gained[0].body), -1.0, 1.0)) - acos(clamp(dot(world, gained[0].world), -1.0, 1.0))
-    )
-    return [] if inside > FOREIGN else [VectorPair(field, world, FIELD_SIGMA**2)]
 
 
 def _delta_velocity_pairs(first: AlignmentFix, last: AlignmentFix, parameters: FlightParameters) -> list[VectorPair]:
