@@ -103,6 +103,7 @@ def test_a_recording_holds_what_was_used_what_was_sent_and_what_was_said(flight,
     while (message := log.recv_match()) is not None:
         messages.append(message)
         times.append(message._timestamp)
+    log.close()
     assert times == sorted(times)
     assert times[0] == pytest.approx(EPOCH_NS / SECOND, abs=2.0)
     ours = [one for one in messages if one.get_srcComponent() == 193]
