@@ -70,6 +70,7 @@ def test_readings_and_fixes_are_those_of_the_log(flown):
             fixes += message.fix_type >= 3
         else:
             accel[message.time_usec] = message.zacc
+    source.close()
     mine = ours(rows)
     assert fixes - 20 < sum(bool(row["gnss_velocity_north_m_s"]) for row in mine) <= fixes
     on_first = [row for row in mine if row["lane"] == "RAW_IMU"]
