@@ -12,6 +12,7 @@ import attest_mav
 from attest_mav import (
     BARE_SENSOR,
     Aid,
+    AttitudeFilter,
     FilterState,
     FlightParameters,
     Fusion,
@@ -95,7 +96,7 @@ def step(one, state, k):
 
 
 def test_every_record_has_a_field_for_each_argument():
-    kinds = [kind for kind in records() if kind is not Record]
+    kinds = [kind for kind in records() if kind not in {Record, AttitudeFilter}]
     assert len(kinds) > 60
     fields = {kind: {name for one in kind.__mro__ for name in declared(one)} for kind in kinds}
     missing = [
