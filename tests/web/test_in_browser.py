@@ -28,6 +28,18 @@ new Promise((done) => {
   look();
 })
 """
+NEXT_EVENT = """
+new Promise((done) => {
+  const source = new EventSource("/events");
+  let count = 0;
+  source.onmessage = () => {
+    if (++count < 3) return;
+    source.close();
+    requestAnimationFrame(() => requestAnimationFrame(() => done(1)));
+  };
+})
+"""
+"""Waits until the page has drawn another event."""
 BLUE_PIXELS = """
 ["ours", "theirs"].map((id) => {
   const canvas = document.getElementById(id);
@@ -67,6 +79,10 @@ def test_the_page_lives_and_says_when_the_daemon_is_gone(daemon, tmp_path):
         browser.call("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=2, mobile=True)
         browser.settled()
         assert browser.value("document.documentElement.scrollWidth") == 390
+        browser.value("for (const one of document.querySelectorAll('figure')) one.style.display = 'none'")
+        browser.value(NEXT_EVENT)
+        assert browser.complaints == [], "figures without a size, as in a window that is not laid out"
+        browser.value("for (const one of document.querySelectorAll('figure')) one.style.display = ''")
         process.terminate()
         browser.value(UNTIL % "document.body.className === 'stale'")
         assert "the daemon is gone" in browser.value("document.getElementById('connection').textContent")
