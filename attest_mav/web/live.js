@@ -37,8 +37,11 @@
   function drawHorizon(id, attitude, colour) {
     const [pen, width, height] = prepared(id), radius = Math.max(0, Math.min(width, height) / 2 - 4); // nothing is laid out in a window without a size
     pen.translate(width / 2, height / 2);
-    pen.beginPath();
-    pen.arc(0, 0, radius, 0, 2 * Math.PI);
+    const rim = () => {
+      pen.beginPath();
+      pen.arc(0, 0, radius, 0, 2 * Math.PI);
+    };
+    rim();
     pen.save();
     pen.clip();
     if (attitude === null) {
@@ -46,6 +49,7 @@
       pen.fillRect(-radius, -radius, 2 * radius, 2 * radius);
     } else drawSky(pen, attitude, radius);
     pen.restore();
+    rim(); // the path of the sky is not undone with its colours
     pen.strokeStyle = colours.axis;
     pen.stroke();
     if (attitude !== null) drawAircraft(pen, radius, colour);
