@@ -20,6 +20,7 @@ from attest_mav.config.remarks import remarks
 from attest_mav.config.text import printable, to_toml
 from attest_mav.errors import ConfigError, UsageError
 from attest_mav.filters.own import search_here
+from attest_mav.installation.unit_folders import unit_remarks
 from attest_mav.runtime.files import drop_ins, read_config
 from attest_mav.service.assembly import check_simulations, check_unsigned_messages
 
@@ -44,7 +45,8 @@ def check(file: str, changes: tuple[str, ...]) -> None:
     found = load_layered(file, changes)
     if not found.config.link:
         raise ConfigError(f"{file}: no link: write a [[link]] with a url, such as serial:/dev/ttyAMA0:921600")
-    for text in remarks(found.config, found.origins):
+    path = Path(file).absolute()
+    for text in (*remarks(found.config, found.origins), *unit_remarks(found.config, path)):
         click.echo(f"{printable(file)}: warning: {printable(text)}", err=True)
     links = ", ".join(link.url for link in found.config.link)
     click.echo(f"{printable(file)}: valid; links: {links}; filter: {found.config.filter.chosen}")

@@ -5,11 +5,14 @@ from pathlib import Path
 
 import click
 
-from attest_mav.errors import UsageError
+from attest_mav.cli.config import load_layered
+from attest_mav.config.text import printable
+from attest_mav.errors import ConfigError, UsageError
+from attest_mav.installation.machine import below, program_path, systemd_version
 from attest_mav.installation.machine import install as install_files
-from attest_mav.installation.machine import program_path, systemd_version
 from attest_mav.installation.machine import uninstall as uninstall_files
 from attest_mav.installation.plan import CONFIGURATION, FIRST_NOTIFY_RELOAD, planned_files
+from attest_mav.installation.unit_folders import unit_remarks
 
 START = """\
 Next:
@@ -57,6 +60,7 @@ def install(prefix: str, dry_run: bool, example: str) -> None:
     program = program_path()
     for line in install_files(planned_files(program, version or FIRST_NOTIFY_RELOAD, example), Path(prefix), dry_run):
         click.echo(line)
+    _warn(Path(prefix))
     click.echo(START.format(configuration=CONFIGURATION, program=program))
 
 
@@ -70,6 +74,18 @@ def uninstall(prefix: str, dry_run: bool, purge: bool) -> None:
     for line in uninstall_files(Path(prefix), purge, dry_run):
         click.echo(line)
     click.echo(END)
+
+
+def _warn(prefix: Path) -> None:
+    """Warn of the configurations that are there: an error in one, or a folder that its unit cannot write into."""
+    for file in sorted(below(prefix, CONFIGURATION).parent.glob("*.toml")):
+        try:
+            config = load_layered(str(file)).config
+        except ConfigError as error:
+            click.echo(f"warning: {printable(str(error))}", err=True)
+            continue
+        for text in unit_remarks(config, Path(CONFIGURATION).with_name(file.name), prefix):
+            click.echo(f"{printable(str(file))}: warning: {printable(text)}", err=True)
 
 
 def _check_root(prefix: str, dry_run: bool, name: str) -> None:

@@ -4,9 +4,9 @@ from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 from typing import Final
 
-from attest_mav.config.link_url import LinkUrl, Scheme, parse_link
+from attest_mav.config.link_url import LinkUrl, Scheme, first_clash, parse_link
 from attest_mav.config.live import flat
-from attest_mav.config.records import Config
+from attest_mav.config.records import Config, web_address
 
 USUAL_BAUDS: Final = (
     1200, 2400, 4800, 9600, 19200, 38400, 57600, 111100, 115200, 230400, 256000, 460800, 500000, 576000, 625000,
@@ -21,12 +21,23 @@ def remarks(config: Config, given: Iterable[str]) -> Iterator[str]:
         url = parse_link(link.url)
         if url.scheme is Scheme.SERIAL:
             yield from (f"link[{index}].url: {text}" for text in _serial_remarks(url))
+    yield from _page_remarks(config)
     values, defaults = flat(config), flat(Config())
     for name in given:
         parts = name.split(".")
         is_idle = parts[0] == "filter" and len(parts) > 2 and parts[1] != config.filter.chosen
         if is_idle and values[name] != defaults[name]:
             yield f"{name}: has no effect: the filter is {config.filter.chosen}"
+
+
+def _page_remarks(config: Config) -> Iterator[str]:
+    """Links are opened first, so that the page is the one that goes without."""
+    if config.web.listen:
+        page = web_address(config.web.listen, "web.listen")
+        for index, link in enumerate(config.link):
+            clash = first_clash([parse_link(link.url), page])
+            if clash is not None:
+                yield f"web.listen: {clash[2]} belongs to link[{index}]: there would be no page; choose another port"
 
 
 def _serial_remarks(url: LinkUrl) -> Iterator[str]:

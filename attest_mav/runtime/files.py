@@ -1,5 +1,6 @@
 """Files: logs to read in pieces, results written so that a half-written one is never seen."""
 
+import errno
 import os
 import stat
 import sys
@@ -19,6 +20,10 @@ if TYPE_CHECKING:
 
 MAX_CONFIG_BYTES = 1 << 20
 """A configuration of more than this is something else."""
+
+
+DISK_FAULTS = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EIO})
+"""Errors of a disk that is full, read-only or broken; other errors of a path are somebody's mistake."""
 
 
 class OpenedLog:
@@ -167,7 +172,7 @@ def _blaming(target: Path) -> Iterator[None]:
     except BrokenPipeError:
         raise
     except OSError as error:
-        raise UnwritableError(f"cannot write {target}: {reason_of(error)}") from None
+        raise UnwritableError(f"cannot write {target}: {reason_of(error)}") from error
 
 
 def give_up_stdout() -> None:

@@ -1,12 +1,15 @@
-"""A map over several processes that Ctrl-C ends quietly."""
+"""A map over several processes that Ctrl-C ends quietly, and that end when the process that started them does."""
 
 import os
 import signal
+import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from functools import partial
+from multiprocessing import parent_process
+from multiprocessing.connection import wait
 from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Final, Protocol, TypeVar
 
@@ -59,12 +62,27 @@ def processes(workers: int | None) -> Iterator[TaskMap]:
         yield map
         return
     count = workers or os.cpu_count() or 1
-    with ProcessPoolExecutor(count, mp_context=Helpers()) as pool:
+    with ProcessPoolExecutor(count, mp_context=Helpers(), initializer=end_with_starter) as pool:
         try:
             yield partial(map_over, pool, AHEAD * count)
         except BaseException:  # Ctrl-C: what waits would otherwise be worked off first
             pool.shutdown(cancel_futures=True)
             raise
+
+
+def end_with_starter() -> None:
+    """In a helping process: end when the one that started it is gone, by SIGTERM or SIGKILL.
+
+    Without this it would wait for ever: each helper holds the pipe of tasks open for all others.
+    """
+    starter = parent_process()
+    if starter is not None:
+        threading.Thread(target=_end_after, args=(starter.sentinel,), name="starter", daemon=True).start()
+
+
+def _end_after(sentinel: int) -> None:
+    wait([sentinel])
+    os._exit(1)
 
 
 def map_over(

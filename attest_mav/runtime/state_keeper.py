@@ -5,11 +5,12 @@ import os
 import time
 from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
 from attest_mav.errors import ConfigError, UnwritableError
-from attest_mav.runtime.files import atomic_write, reason_of
+from attest_mav.runtime.files import DISK_FAULTS, atomic_write, reason_of
 from attest_mav.runtime.loop import Handler
 from attest_mav.service.kept_state import KeptState, Persistence, parse_state, state_text
 
@@ -34,9 +35,10 @@ def state_path(folder: str, environment: Mapping[str, str]) -> Path:
 
 
 class StateKeeper(Handler):
-    """Restores the state of a service, and writes it from time to time. ConfigError where it cannot be written.
+    """Restores the state of a service, and writes it from time to time.
 
-    A thread of its own writes: a memory card may take seconds, and the loop waits for nothing.
+    ConfigError where it cannot be written; a disk that is full or read-only is told, and tried again. A thread of its
+    own writes: a memory card may take seconds, and the loop waits for nothing.
     """
 
     def __init__(self, persistence: Persistence, path: Path, now_ns: int) -> None:
@@ -53,9 +55,13 @@ class StateKeeper(Handler):
             path.parent.mkdir(parents=True, exist_ok=True)
             _write(path, persistence.state)
         except OSError as error:
-            raise ConfigError(f"state.folder: cannot make {path.parent}: {reason_of(error)}") from None
+            if error.errno not in DISK_FAULTS:
+                raise ConfigError(f"state.folder: cannot make {path.parent}: {reason_of(error)}") from None
+            self._fail(f"cannot make {path.parent}: {reason_of(error)}")
         except UnwritableError as error:
-            raise ConfigError(f"state.folder: {error}; name a folder that may be written") from None
+            if not isinstance(error.__cause__, OSError) or error.__cause__.errno not in DISK_FAULTS:
+                raise ConfigError(f"state.folder: {error}; name a folder that may be written") from None
+            self._fail(str(error))
 
     @property
     def next_deadline_ns(self) -> int | None:
@@ -82,9 +88,7 @@ class StateKeeper(Handler):
         try:
             outcome.result()
         except UnwritableError as error:
-            if not self._is_failing:
-                log.warning("%s; a restart would lose parameters that were set, and the time of signatures", error)
-            self._is_failing = True
+            self._fail(str(error))
             return
         self._written = state
         if self._is_failing:
@@ -98,6 +102,11 @@ class StateKeeper(Handler):
         self.settle()
         self._disk.shutdown()
 
+    def _fail(self, complaint: str) -> None:
+        if not self._is_failing:
+            log.warning("%s; a restart would lose parameters that were set, and the time of signatures", complaint)
+        self._is_failing = True
+
     def _begin(self) -> None:
         state = self._persistence.state
         self._writing = state, self._disk.submit(_write, self._path, state)
@@ -105,6 +114,8 @@ class StateKeeper(Handler):
 
 def _write(path: Path, state: KeptState) -> None:
     """Write the file so that it is on the disk when this returns."""
+    with suppress(OSError):  # where the disk could not have it at the start; writing says what is wrong
+        path.parent.mkdir(parents=True, exist_ok=True)
     with atomic_write(path) as file:
         file.write(state_text(state))
         file.flush()

@@ -61,15 +61,15 @@ def vehicle_snapshot(discovery: VehicleDiscovery, vehicle: Vehicle) -> VehicleSn
     )
 
 
-def stream_snapshots(manager: StreamManager, now_ns: int) -> tuple[StreamSnapshot, ...]:
-    """The messages that are asked for."""
+def stream_snapshots(manager: StreamManager, is_present: bool, now_ns: int) -> tuple[StreamSnapshot, ...]:
+    """The messages that are asked for. Rates are not measured while the vehicle is away: nothing comes then."""
     return tuple(
         StreamSnapshot(
             stream.name,
             stream.hz,
             stream.answer,
             stream.refused,
-            stream.achieved_hz,
+            stream.achieved_hz if is_present else 0.0,
             stream.ceiling_hz,
             manager.hindrance(stream, now_ns),
         )

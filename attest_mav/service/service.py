@@ -200,7 +200,7 @@ class Service:
             vehicle=vehicle_snapshot(companion.discovery, self._vehicle),
             ambiguity=companion.discovery.ambiguity,
             links=tuple(link_snapshot(*part) for part in parts),
-            streams=stream_snapshots(companion.data.stream_manager, now_ns),
+            streams=stream_snapshots(companion.data.stream_manager, companion.discovery.present, now_ns),
             inertial="" if inertial is None else inertial.name,
             single_imu=companion.data.single_imu,
             not_independent=frozenset(name for name, independent in decoder.independent.items() if not independent),

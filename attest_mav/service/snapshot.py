@@ -108,7 +108,7 @@ class StreamSnapshot:
     refused: bool
     """Whether the autopilot will not send it."""
     achieved_hz: float
-    """Rate measured over the last window, Hz; 0 before the first one ends."""
+    """Rate measured over the last window, Hz; 0 before the first one ends, and while the vehicle is away."""
     ceiling_hz: float
     """The most that the autopilot gives, Hz; 0 where no limit was found."""
     hindrance: str

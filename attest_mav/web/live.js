@@ -7,8 +7,12 @@
   let now = null, before = null, heardMs = 0, spanS = 60, colours = {};
 
   const byId = (id) => document.getElementById(id);
-  const fixed = (value, digits, sign = "") =>
-    value === null || value === undefined ? "–" : (sign && value > 0 ? sign : "") + value.toFixed(digits).replace("-", "−");
+  const fixed = (value, digits, sign = "") => {
+    if (value === null || value === undefined) return "–";
+    const text = Math.abs(value).toFixed(digits); // a number that rounds to zero has no sign
+    return (Number(text) === 0 ? "" : value < 0 ? "−" : sign) + text;
+  };
+  const size = (value, digits) => (value === null ? "–" : `${fixed(Math.abs(value), digits)}°`);
   const published = (state) => state.lanes.find((lane) => lane.estimate !== null);
   const put = (id, text) => { if (byId(id).textContent !== text) byId(id).textContent = text; };
 
@@ -31,10 +35,13 @@
 
   // ---- artificial horizon ----
   function drawHorizon(id, attitude, colour) {
-    const [pen, width, height] = prepared(id), radius = Math.min(width, height) / 2 - 4;
+    const [pen, width, height] = prepared(id), radius = Math.max(0, Math.min(width, height) / 2 - 4); // nothing is laid out in a window without a size
     pen.translate(width / 2, height / 2);
-    pen.beginPath();
-    pen.arc(0, 0, radius, 0, 2 * Math.PI);
+    const rim = () => {
+      pen.beginPath();
+      pen.arc(0, 0, radius, 0, 2 * Math.PI);
+    };
+    rim();
     pen.save();
     pen.clip();
     if (attitude === null) {
@@ -42,6 +49,7 @@
       pen.fillRect(-radius, -radius, 2 * radius, 2 * radius);
     } else drawSky(pen, attitude, radius);
     pen.restore();
+    rim(); // the path of the sky is not undone with its colours
     pen.strokeStyle = colours.axis;
     pen.stroke();
     if (attitude !== null) drawAircraft(pen, radius, colour);
@@ -151,7 +159,7 @@
       pen.fillRect(x, yOf(one[sigma]), Math.round(placed(next.t, width)) - x, floor - yOf(one[sigma]));
     });
     pen.globalAlpha = 1;
-    drawLine(pen, value, width, yOf);
+    drawLine(pen, value, width, yOf, threshold ?? Infinity);
     if (threshold !== null) {
       pen.strokeStyle = colours.line;
       pen.setLineDash([5, 4]);
@@ -162,12 +170,12 @@
       pen.setLineDash([]);
     }
   }
-  function drawLine(pen, value, width, yOf) {
+  function drawLine(pen, value, width, yOf, threshold) {
     let last = null;
     pen.lineWidth = 1.5;
     for (const one of points) {
       if (one[value] !== null && last !== null && one.t - last.t < 2) {
-        pen.strokeStyle = one.agreement === "disagree" ? colours.disagree : colours.ours;
+        pen.strokeStyle = one[value] > threshold ? colours.disagree : colours.ours;
         pen.beginPath();
         pen.moveTo(placed(last.t, width), yOf(last[value]));
         pen.lineTo(placed(one.t, width), yOf(one[value]));
@@ -203,7 +211,7 @@
     fill("spans", ["verdict", "reason", "ago", "for", "tilt ≤", "heading ≤"], now.spans.slice(-12).reverse().map((span, i) => {
       const end = i === 0 ? now.now_s : span.end_s;
       return [[span.agreement, kinds[span.agreement]], span.reason, `${fixed(now.now_s - span.begin_s, 0)} s`,
-        `${fixed(end - span.begin_s, 0)} s`, `${fixed(span.tilt_deg, 1)}°`, `${fixed(span.heading_deg, 1)}°`];
+        `${fixed(end - span.begin_s, 0)} s`, size(span.tilt_deg, 1), size(span.heading_deg, 1)];
     }));
     fill("lanes", ["sensor", "state", "rate", "rests on", "delay"], now.lanes.map((lane) => {
       const earlier = before && before.lanes.find((one) => one.source === lane.source);
@@ -221,7 +229,7 @@
       `${fixed(stream.hz, 0)} Hz`, [stream.hindrance || (stream.answer === "accepted" ? "" : stream.answer), "text"]]));
     fill("links", ["link", "state", "received", "damaged", "lost", "attitudes"], now.links.map((link, i) => {
       const earlier = before?.links[i];
-      return [link.name, link.traffic.is_open ? "open" : ["not open", "bad"],
+      return [[link.name, "text"], link.traffic.is_open ? "open" : ["not open", "bad"],
         `${fixed(perSecond(link.frames, earlier?.frames), 0)} /s`, String(link.bad_crc + link.bad_bytes),
         String(link.lost_frames), `${fixed(perSecond(link.attitudes_sent, earlier?.attitudes_sent), 0)} Hz`];
     }));
@@ -241,7 +249,6 @@
       t: now.now_s, tilt: isFresh ? verdict.tilt_deg : null,
       heading: isFresh && verdict.heading_deg !== null ? Math.abs(verdict.heading_deg) : null,
       tiltSigma: estimate?.tilt_sigma_deg ?? null, headingSigma: estimate?.heading_sigma_deg ?? null,
-      agreement: verdict?.agreement,
     });
     while (points.length > MAX_POINTS || now.now_s - points[0].t > LONGEST_S) points.shift();
     const shownS = now.now_s - Math.min(points[0].t, now.spans[0]?.begin_s ?? now.now_s);

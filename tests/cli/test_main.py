@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -84,6 +85,35 @@ def test_ctrl_c_ends_it_quietly(command, workers):
             os.killpg(process.pid, signal.SIGKILL)
             raise
     assert (process.returncode, said) == (130, "")
+
+
+def processes_of_group(group):
+    """The processes that live in a process group: (fields of /proc/PID/stat behind the name: state, parent, group)."""
+    stats = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):
+            stats.append(path.read_text().rpartition(")")[2].split())
+    return sum(fields[2] == str(group) and fields[0] != "Z" for fields in stats)
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_the_helpers_end_with_a_program_that_is_ended(command, number):
+    process = subprocess.Popen(
+        [*command, "evaluate", "P1-a", "--runs", "100000", "--workers", "2"], start_new_session=True
+    )
+    deadline = time.monotonic() + 60.0
+    try:
+        while processes_of_group(process.pid) < 4:  # two helpers, and one that keeps count of what they share
+            assert time.monotonic() < deadline, "the helpers do not start"
+            time.sleep(0.05)
+        process.send_signal(number)
+        assert process.wait() == -number
+        while processes_of_group(process.pid):
+            assert time.monotonic() < deadline, "a helper is left"
+            time.sleep(0.05)
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
 
 
 def test_usage_errors_are_clicks_own(monkeypatch, capsys):

@@ -111,6 +111,24 @@ def test_an_unusual_baud_rate_is_remarked(url, said):
     assert list(remarks(parse_config(f"[[link]]\nurl = '{url}'\n", "x"), [])) == said
 
 
+@pytest.mark.parametrize(
+    ("url", "listen", "clashes"),
+    [
+        ("tcpin:127.0.0.1:5760", "127.0.0.1:5760", True),
+        ("tcpin:0.0.0.0:5760", "127.0.0.1:5760", True),
+        ("tcpin::5760", "0.0.0.0:5760", True),
+        ("tcpin::5760", "127.0.0.1:5761", False),
+        ("tcpin::0", "127.0.0.1:0", False),
+        ("udpin::5760", "127.0.0.1:5760", False),
+        ("tcp:127.0.0.1:5760", "127.0.0.1:5760", False),
+    ],
+)
+def test_a_page_on_the_port_of_a_link_is_remarked(url, listen, clashes):
+    config = parse_config(f"[[link]]\nurl = 'sim:'\n[[link]]\nurl = '{url}'\n[web]\nlisten = '{listen}'\n", "x")
+    said = "web.listen: port 5760 belongs to link[1]: there would be no page; choose another port"
+    assert list(remarks(config, [])) == ([said] if clashes else [])
+
+
 def test_parameters_of_a_filter_that_does_not_run_are_remarked():
     text = "[filter]\nname = 'leveling'\n[filter.leveling]\ngravity = 9.8\n[filter.gradient-descent]\nbeta = 0.1\n"
     found = layered([file_layer(text, "x")])

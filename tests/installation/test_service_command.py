@@ -6,8 +6,10 @@ import pytest
 from click.testing import CliRunner
 
 from attest_mav.cli.service import command
+from attest_mav.config.records import parse_config
 from attest_mav.errors import UnwritableError, UsageError
 from attest_mav.installation import machine, plan
+from attest_mav.installation.unit_folders import unit_remarks
 
 UNIT = "etc/systemd/system/attest-mav.service"
 CONFIGURATION = "etc/attest-mav/attest-mav.toml"
@@ -79,6 +81,44 @@ def test_a_unit_of_somebody_else_is_left_alone(tmp_path):
         run("install", "--prefix", str(tmp_path))
     assert f"kept        {tmp_path / UNIT}" in run("uninstall", "--prefix", str(tmp_path))
     assert (tmp_path / UNIT).read_text() == "[Service]\n"
+
+
+def warnings(prefix):
+    return CliRunner().invoke(command, ["install", "--prefix", str(prefix)], catch_exceptions=False).stderr
+
+
+@pytest.mark.parametrize(
+    ("name", "folder", "said"),
+    [
+        ("attest-mav", "/var/lib/attest-mav/flights", ""),
+        ("attest-mav", "/srv/flights", "record.folder: the service attest-mav may not write into /srv/flights; name a"),
+        ("attest-mav", "flights", "record.folder: the service attest-mav may not write into flights"),
+        ("attest-mav", "/var/lib/attest-mav/../x", "may not write into /var/lib/attest-mav/../x"),
+        ("two", "/var/lib/attest-mav/two/flights", ""),
+        ("two", "/var/lib/attest-mav/flights", "systemctl edit attest-mav@two, [Service], ReadWritePaths=/var/lib/"),
+    ],
+)
+def test_a_folder_that_the_unit_cannot_write_into_is_said(tmp_path, name, folder, said):
+    path = (tmp_path / CONFIGURATION).with_name(f"{name}.toml")
+    path.parent.mkdir(parents=True)
+    path.write_text(f"[[link]]\nurl = 'sim:'\n[record]\nfolder = '{folder}'\n")
+    assert said in warnings(tmp_path)
+    assert bool(said) == ("warning" in warnings(tmp_path))
+    config = parse_config(path.read_text(), "x")
+    assert list(unit_remarks(config, path, tmp_path)) == [], "a file that no unit reads"
+    drop_in = tmp_path / "etc/systemd/system/attest-mav@.service.d/mine.conf"
+    drop_in.write_text("[Service]\nReadWritePaths=-/mnt /var/lib/attest-mav/flights\n")
+    (tmp_path / (UNIT + ".d/mine.conf")).write_text("[Service]\nReadWritePaths=/srv\n")
+    assert ("warning" in warnings(tmp_path)) == (folder in {"flights", "/var/lib/attest-mav/../x"})
+
+
+def test_a_configuration_that_is_wrong_stops_no_installation(tmp_path):
+    path = tmp_path / CONFIGURATION
+    path.parent.mkdir(parents=True)
+    path.write_text("[oops]\n")
+    assert "warning: " in warnings(tmp_path)
+    assert "unknown key oops" in warnings(tmp_path)
+    assert (tmp_path / UNIT).exists()
 
 
 def test_the_users_drop_ins_survive(tmp_path):

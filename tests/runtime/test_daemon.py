@@ -1,6 +1,8 @@
 """The daemon in this process: the built-in vehicle on one link, and a foreign client on its loop."""
 
 import socket
+import time
+from itertools import cycle, pairwise
 
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
@@ -115,6 +117,29 @@ def test_a_foreign_client_and_a_timer_live_on_the_daemons_loop(observer, caplog,
     assert observer.of_type("HEARTBEAT")[-1].system_status == mavlink.MAV_STATE_POWEROFF
     assert "the first estimate is there" in caplog.messages
     assert any(text.startswith("using RAW_IMU with the filter velocity-aided") for text in caplog.messages)
+
+
+@pytest.fixture
+def jumping_clock(monkeypatch):
+    """A time of day that is another one whenever it is asked for, by hours to decades."""
+    true_ns, jumps_s = time.time_ns, cycle((0, -3600, 400 * 86400, -9000 * 86400, 1))
+    monkeypatch.setattr(time, "time_ns", lambda: true_ns() + next(jumps_s) * 10**9)
+    monkeypatch.setattr(time, "time", lambda: time.time_ns() * 1e-9)
+
+
+@pytest.mark.usefixtures("jumping_clock")
+def test_a_time_of_day_that_jumps_moves_nothing(observer, tmp_path):
+    stop, signal = socket.socketpair()
+    with stop, signal:
+        observer.daemon.run(stop)
+    last = observer.snapshots[-1]
+    assert last.links[1].attitudes_sent >= 5
+    assert last.ambiguity == ""
+    recorded = b"".join(path.read_bytes() for path in sorted(tmp_path.glob("*.tlog")))
+    times = [one.rx_ns for one in TlogReader(recorded, load_dialect()) if one.component == 1]
+    assert len(times) > 100
+    assert max(b - a for a, b in pairwise(times)) < 10**9
+    assert min(b - a for a, b in pairwise(times)) >= 0
 
 
 def signing_daemon(tmp_path, mode):

@@ -3,6 +3,7 @@
 import logging
 import os
 import stat
+import time
 from types import SimpleNamespace
 
 import pytest
@@ -158,6 +159,29 @@ def test_a_write_that_fails_begins_a_new_file_later(tmp_path, monkeypatch, caplo
     assert [path.read_bytes() for path in files(tmp_path)] == [b"<one", b"<two"]
     assert writer.lost_frames == 1
     assert sum("Input/output error" in one for one in caplog.messages) == 1
+
+
+def test_a_disk_that_is_read_only_at_the_start_costs_nothing_but_frames(tmp_path, monkeypatch, caplog):
+    caplog.set_level(logging.INFO, "attest_mav")
+    monkeypatch.setattr(writer_module, "RETRY_S", 0.0)
+    folder = tmp_path / "flights"
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "access", lambda *_: False)
+        patch.setattr(os, "statvfs", lambda _: SimpleNamespace(f_flag=os.ST_RDONLY))
+        recorder, tape = recorder_of(folder, "reserve_mb = 1")
+        tape.note(Note(WARNING, "lost"), 0)
+        recorder.pass_on(0, None)
+        deadline = time.monotonic() + 30.0
+        while not recorder.snapshot.lost_frames:
+            assert time.monotonic() < deadline
+            time.sleep(0.001)
+        assert recorder.snapshot.complaint.endswith("Read-only file system")
+    tape.note(Note(WARNING, "kept"), SECOND)
+    recorder.pass_on(SECOND, None)
+    recorder.finish()
+    assert b"kept" in files(folder)[0].read_bytes()
+    assert recorder.snapshot.lost_frames == 1
+    assert next(one.partition(":")[0] for one in caplog.messages if "record" in one) == "nothing is recorded"
 
 
 def test_a_folder_that_cannot_be_had_is_a_configuration_error(tmp_path):

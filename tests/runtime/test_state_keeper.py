@@ -1,6 +1,8 @@
 """The state file: written where it must be, read back, and told about when that fails."""
 
+import errno
 import json
+import os
 import threading
 from pathlib import Path
 
@@ -64,17 +66,38 @@ def test_a_folder_that_cannot_be_had_ends_the_start_with_its_name(tmp_path, serv
         StateKeeper(service.persistence, tmp_path / "file" / "state.json", 0)
 
 
+def test_a_disk_that_is_full_at_the_start_is_told_and_tried_again(tmp_path, service, caplog, monkeypatch):
+    def full(*_arguments, **_options):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    path = tmp_path / "new" / "state.json"
+    caplog.set_level("INFO", "attest_mav")
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "mkdir", full)
+        keeper = StateKeeper(service.persistence, path, 0)
+        keeper.due(30_000_000_000)
+        keeper.settle()
+    keeper.due(60_000_000_000)
+    keeper.finish()
+    assert kept(path) > 3 * 10**13
+    told = [one for one in caplog.messages if "new" in one]
+    assert len(told) == 2
+    assert "No space left on device; a restart would lose" in told[0]
+    assert "is written again" in told[1]
+
+
 def test_a_failure_later_is_told_once_and_so_is_its_end(tmp_path, service, caplog):
     caplog.set_level("INFO", "attest_mav")
     folder = tmp_path / "state"
     keeper = StateKeeper(service.persistence, folder / "state.json", 0)
     (folder / "state.json").unlink()
     folder.rmdir()
+    folder.write_text("")
     keeper.due(30_000_000_000)
     keeper.settle()
     keeper.due(60_000_000_000)
     keeper.settle()
-    folder.mkdir()
+    folder.unlink()
     keeper.due(90_000_000_000)
     keeper.settle()
     told = [one for one in caplog.messages if "state.json" in one]

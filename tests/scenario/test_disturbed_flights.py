@@ -32,6 +32,7 @@ def test_the_names_tell_the_rows_apart():
         ({"oldest_s": 0.6}, "oldest sent"),
         ({"worst_tilt_deg": 1.6}, "tilt error sent"),
         ({"lines": 30}, "lines a minute"),
+        ({"unsound": 1}, "unsound attitudes sent"),
         ({"verdicts": ((Agreement.UNDECIDED, "doubted"),)}, "verdict UNDECIDED"),
     ],
 )

@@ -56,6 +56,20 @@ def test_a_second_reader_takes_its_counters_from_a_snapshot_alone(flight):
     assert all(after[name] >= before[name] for name in before)
 
 
+def test_no_rate_is_told_while_the_vehicle_is_away(flight):
+    f = flight()
+    f.run_until(6.0)
+    assert all(stream.achieved_hz > 0.0 for stream in f.snapshot().streams if stream.name in {"RAW_IMU", "ATTITUDE"})
+    f.deaf_to = set(range(512))
+    f.run_until(14.0)
+    away = f.snapshot()
+    assert not away.vehicle.is_present
+    assert [stream.achieved_hz for stream in away.streams] == [0.0] * len(away.streams)
+    f.deaf_to = set()
+    f.run_until(20.0)
+    assert {stream.name: stream.achieved_hz for stream in f.snapshot().streams}["RAW_IMU"] == pytest.approx(50, abs=2)
+
+
 def test_readers_have_rates_of_their_own(flight):
     """One looks every second, the other every four: neither shortens the time that the other counts over."""
     f = flight()

@@ -28,16 +28,34 @@ new Promise((done) => {
   look();
 })
 """
-BLUE_PIXELS = """
-["ours", "theirs"].map((id) => {
-  const canvas = document.getElementById(id);
-  const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+NEXT_EVENT = """
+new Promise((done) => {
+  const source = new EventSource("/events");
   let count = 0;
-  for (let i = 0; i < pixels.length; i += 4) if (pixels[i + 2] > pixels[i] + 60 && pixels[i + 3] > 200) count++;
-  return count / (pixels.length / 4);
+  source.onmessage = () => {
+    if (++count < 3) return;
+    source.close();
+    requestAnimationFrame(() => requestAnimationFrame(() => done(1)));
+  };
 })
 """
-"""The share of sky in both horizons."""
+"""Waits until the page has drawn another event."""
+HORIZONS = """
+["ours", "theirs"].map((id) => {
+  const canvas = document.getElementById(id), { width, height } = canvas;
+  const pixels = canvas.getContext("2d").getImageData(0, 0, width, height).data;
+  let sky = 0;
+  for (let i = 0; i < pixels.length; i += 4) if (pixels[i + 2] > pixels[i] + 60 && pixels[i + 3] > 200) sky++;
+  const radius = Math.min(width, height) / 2 - (4 * width) / canvas.clientWidth;
+  const across = [-1, -0.5, 0, 0.5, 1].map((more) => {
+    const along = (radius + more) * Math.SQRT1_2;
+    const at = 4 * (Math.floor(height / 2 - along) * width + Math.floor(width / 2 - along));
+    return pixels[at + 3] > 100 ? pixels[at + 2] - pixels[at] : 255;
+  });
+  return { sky: sky / (pixels.length / 4), rim: Math.min(...across) };
+})
+"""
+"""Of both horizons: the share of sky; and of the pixels across the rim by how much the least blue one exceeds red."""
 
 
 @pytest.fixture
@@ -58,7 +76,9 @@ def test_the_page_lives_and_says_when_the_daemon_is_gone(daemon, tmp_path):
         browser.visit(address)
         browser.value(UNTIL % "document.getElementById('verdict').className === 'agree'")
         browser.settled()
-        assert min(browser.value(BLUE_PIXELS)) > 0.1
+        for horizon in browser.value(HORIZONS):
+            assert horizon["sky"] > 0.1
+            assert horizon["rim"] < 60
         assert browser.value("document.body.className") == ""
         assert "agrees" in browser.value("document.getElementById('verdict').textContent")
         assert browser.value("document.querySelectorAll('#lanes td').length") >= 5
@@ -67,6 +87,10 @@ def test_the_page_lives_and_says_when_the_daemon_is_gone(daemon, tmp_path):
         browser.call("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=2, mobile=True)
         browser.settled()
         assert browser.value("document.documentElement.scrollWidth") == 390
+        browser.value("for (const one of document.querySelectorAll('figure')) one.style.display = 'none'")
+        browser.value(NEXT_EVENT)
+        assert browser.complaints == [], "figures without a size, as in a window that is not laid out"
+        browser.value("for (const one of document.querySelectorAll('figure')) one.style.display = ''")
         process.terminate()
         browser.value(UNTIL % "document.body.className === 'stale'")
         assert "the daemon is gone" in browser.value("document.getElementById('connection').textContent")

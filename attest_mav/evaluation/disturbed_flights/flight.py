@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import degrees, inf
+from math import degrees, hypot, inf, radians
 from typing import Final
 
 from attest_mav.algebra import q_from_euler, tilt_between
@@ -12,6 +12,7 @@ from attest_mav.estimation.events import Agreement
 from attest_mav.evaluation.disturbed_flights.line import DisturbedLine
 from attest_mav.evaluation.disturbed_flights.row import Disturbance, Tools
 from attest_mav.evaluation.service_flight import ServiceFlight
+from attest_mav.mavlink.component.outputs import boot_ms
 from attest_mav.mavlink.constants import MAV_STATE_ACTIVE
 from attest_mav.mavlink.dialect import Dialect, load_dialect
 from attest_mav.service.status import status_line
@@ -26,6 +27,10 @@ FRESH_S: Final = 0.5
 """The default of ``estimate.stale_s``: nothing older is published, s."""
 ROUNDING_S: Final = 0.021
 """An age is not known better: by the cut of time_boot_ms to milliseconds, and half of the shortest round trip, s."""
+LARGEST_SIGMA: Final = radians(3.0)
+"""The default of ``output.max_sigma_deg``: nothing less certain is published, rad."""
+UNIT: Final = 1e-6
+"""A quaternion in single precision has the length 1 as closely as this."""
 LINES_A_MINUTE: Final = 60
 """Bound of the lines of the log."""
 
@@ -63,6 +68,8 @@ class Outcome:
     """The same of the attitudes that the autopilot sent before it was accused, or at all."""
     lines: int
     """Lines of the log from the beginning on."""
+    unsound: int = 0
+    """Attitudes sent from the beginning on that are no unit quaternion, or that we did not believe ourselves."""
 
 
 class Watch:
@@ -83,6 +90,7 @@ class Watch:
         self._sent_s = -inf
         self._sent = 0
         self._oldest_s = self._worst_tilt = 0.0
+        self._unsound = 0
         self._lines = 0
         self._before = flown.service.snapshot(0)
 
@@ -97,13 +105,17 @@ class Watch:
 
     def _check(self, frame: bytes, now_s: float) -> None:
         """Age and error by the shift of the clock that fits best."""
-        boot_ms, *q_nb = self._fields.unpack(frame[10:-2])
+        sent_ms, *q_nb = self._fields.unpack(frame[10:-2])
         vehicle = self._flown.vehicle
-        times_s = [(boot_ms - one) % 2**32 * 1e-3 + vehicle.boot_ns * 1e-9 for one in self._row.clock_shifts_ms]
+        times_s = [(sent_ms - one) % 2**32 * 1e-3 + vehicle.boot_ns * 1e-9 for one in self._row.clock_shifts_ms]
         time_s = min(times_s, key=lambda one: abs(now_s - one))
         self._oldest_s = max(self._oldest_s, now_s - time_s)
         if now_s >= self._row.begin_s:
             w, x, y, z = q_nb
+            ours = self._flown.service.estimate
+            is_this_one = ours is not None and boot_ms(ours.t_ns) == sent_ms  # no newer one since
+            doubted = ours is not None and is_this_one and ours.tilt_sigma > LARGEST_SIGMA
+            self._unsound += doubted or not abs(hypot(w, x, y, z) - 1.0) < UNIT
             truth = vehicle.truth(round(time_s * 1e9)).q_nb
             self._worst_tilt = max(self._worst_tilt, tilt_between(truth, (w, x, y, z)))
 
@@ -111,9 +123,9 @@ class Watch:
         """Take what the autopilot says of its attitude, until it is accused."""
         vehicle = self._flown.vehicle
         for frame in self._line.reports:
-            boot_ms, roll, pitch, yaw = self._report.unpack(frame[10:-2])
+            report_ms, roll, pitch, yaw = self._report.unpack(frame[10:-2])
             if self._flown.now_ns >= self._row.begin_s * 1e9 and not self._accused:
-                truth = vehicle.truth(boot_ms * 1_000_000 + vehicle.boot_ns).q_nb
+                truth = vehicle.truth(report_ms * 1_000_000 + vehicle.boot_ns).q_nb
                 self._autopilot_tilt = max(self._autopilot_tilt, tilt_between(truth, q_from_euler(roll, pitch, yaw)))
         self._line.reports.clear()
 
@@ -153,6 +165,7 @@ class Watch:
             worst_tilt_deg=degrees(self._worst_tilt),
             autopilot_tilt_deg=degrees(self._autopilot_tilt),
             lines=self._lines,
+            unsound=self._unsound,
         )
 
 
@@ -183,8 +196,9 @@ def misses(row: Disturbance, found: Outcome) -> list[str]:
         ("recovered", found.recovered_s, row.recovered_s, "s"),
         ("oldest sent", found.oldest_s, FRESH_S + ROUNDING_S, "s"),
         ("tilt error sent", found.worst_tilt_deg, row.tilt_deg, "deg"),
+        ("unsound attitudes sent", float(found.unsound), 0.0, ""),
         ("lines a minute", 60.0 * found.lines / (row.lasts_s + row.after_s), LINES_A_MINUTE, ""),
     )
     missed = [f"{name} {value:.2f} {unit}, limit {limit:g}" for name, value, limit, unit in figures if value > limit]
-    wrong = sorted({agreement.name for agreement, _ in found.verdicts if agreement not in row.verdicts})
-    return missed + [f"verdict {name}" for name in wrong]
+    wrong = [f"{agreement.name} ({reason})" for agreement, reason in found.verdicts if agreement not in row.verdicts]
+    return missed + [f"verdict {text}" for text in sorted(wrong)]

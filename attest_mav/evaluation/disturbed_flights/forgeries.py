@@ -7,7 +7,7 @@ from typing import Any, Final
 from attest_mav.algebra import q_to_euler
 from attest_mav.evaluation.disturbed_flights.frames import edited, message_id
 from attest_mav.evaluation.disturbed_flights.link_faults import MeddleMaker
-from attest_mav.evaluation.disturbed_flights.row import BEGIN_S, SYSTEM, Meddle, Tools
+from attest_mav.evaluation.disturbed_flights.row import SYSTEM, Meddle, Tools
 from attest_mav.mavlink.constants import (
     MAV_AUTOPILOT_ARDUPILOTMEGA,
     MAV_AUTOPILOT_INVALID,
@@ -141,10 +141,14 @@ def parameter(name: bytes, value: Callable[[Tools], float]) -> Callable[[Tools, 
 def second_vehicle(tools: Tools) -> Meddle:
     """Another vehicle with the same ids, in the hover."""
     other = FakeAutopilot(SimSettings(scenario="hover", fast_rate_hz=50.0), 7, tools.dialect)
-    other.frames_until(round((BEGIN_S + LONGER_UP_S) * 1e9))
+    is_heard = False
 
     def meddle(t_s: float, frames: list[bytes]) -> list[tuple[float, bytes]]:
-        return [(0.0, frame) for frame in [*frames, *other.frames_until(round((t_s + LONGER_UP_S) * 1e9))]]
+        nonlocal is_heard
+        others = other.frames_until(round((t_s + LONGER_UP_S) * 1e9))
+        found = [(0.0, frame) for frame in [*frames, *(others if is_heard else [])]]
+        is_heard = True  # all that it sent before is no part of the disturbance
+        return found
 
     return meddle
 

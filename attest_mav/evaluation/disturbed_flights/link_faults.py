@@ -1,10 +1,11 @@
 """Disturbances of the line: losses, copies, delays, disorder, damage, and clocks."""
 
 from collections.abc import Callable, Iterable
+from math import inf
 from typing import Final
 
 from attest_mav.evaluation.disturbed_flights.frames import message_id, shifted, with_sender
-from attest_mav.evaluation.disturbed_flights.row import Delivery, Disturbance, Filter, Meddle, Tools
+from attest_mav.evaluation.disturbed_flights.row import Delivery, Filter, Meddle, Tools
 
 INERTIAL: Final = ("RAW_IMU", "SCALED_IMU", "SCALED_IMU2", "HIGHRES_IMU")
 
@@ -36,9 +37,19 @@ def copied(delays_s: tuple[float, ...]) -> MeddleMaker:
 
 
 def delayed(delay_s: Callable[[float], float]) -> MeddleMaker:
-    """All is late by a function of the time since ``BEGIN_S``."""
-    begin_s = Disturbance.begin_s
-    return lambda _tools: lambda t_s, frames: [(delay_s(t_s - begin_s), frame) for frame in frames]
+    """All is late by a function of the time since the beginning."""
+
+    def make(_tools: Tools) -> Meddle:
+        began_s = inf
+
+        def meddle(t_s: float, frames: list[bytes]) -> list[Delivery]:
+            nonlocal began_s
+            began_s = min(began_s, t_s)
+            return [(delay_s(t_s - began_s), frame) for frame in frames]
+
+        return meddle
+
+    return make
 
 
 def disordered(spread_s: float) -> MeddleMaker:

@@ -1,5 +1,6 @@
 """The folder of recordings: numbered files, of which the oldest make room."""
 
+import errno
 import os
 import re
 import time
@@ -21,14 +22,19 @@ class Recording(NamedTuple):
 
 
 class RecordFolder:
-    """Makes the folder where there is none; OSError where that cannot be. Other files in it are left alone."""
+    """Numbered recordings; other files of the folder are left alone. ``make`` comes first."""
 
     def __init__(self, path: Path, total_bytes: int, reserve_bytes: int) -> None:
         self._path: Final = path
         self._total_bytes: Final = total_bytes
         self._reserve_bytes: Final = reserve_bytes
-        path.mkdir(mode=0o750, parents=True, exist_ok=True)
-        if not os.access(path, os.W_OK | os.X_OK):
+
+    def make(self) -> None:
+        """Make the folder where there is none; OSError where nothing can be written into it."""
+        self._path.mkdir(mode=0o750, parents=True, exist_ok=True)
+        if not os.access(self._path, os.W_OK | os.X_OK):
+            if os.statvfs(self._path).f_flag & os.ST_RDONLY:
+                raise OSError(errno.EROFS, os.strerror(errno.EROFS))
             raise PermissionError
 
     def recordings(self) -> list[Recording]:

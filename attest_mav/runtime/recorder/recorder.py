@@ -5,7 +5,7 @@ from typing import Final
 
 from attest_mav.config.records import RecordConfig
 from attest_mav.errors import ConfigError
-from attest_mav.runtime.files import reason_of
+from attest_mav.runtime.files import DISK_FAULTS, reason_of
 from attest_mav.runtime.recorder.folder import RecordFolder
 from attest_mav.runtime.recorder.writer import Part, Writer
 from attest_mav.service.snapshot import RecordingSnapshot
@@ -15,15 +15,15 @@ MEGABYTE: Final = 1_000_000
 
 
 class Recorder:
-    """Passes a tape on to the disk. ConfigError where the folder cannot be had."""
+    """Passes a tape on to the disk. ConfigError where the folder cannot be had, unless that is the disk's fault."""
 
     def __init__(self, config: RecordConfig, tape: Tape) -> None:
+        folder = RecordFolder(Path(config.folder), int(config.total_mb * MEGABYTE), int(config.reserve_mb * MEGABYTE))
         try:
-            folder = RecordFolder(
-                Path(config.folder), int(config.total_mb * MEGABYTE), int(config.reserve_mb * MEGABYTE)
-            )
+            folder.make()
         except OSError as error:
-            raise ConfigError(f"record.folder: cannot write into {config.folder}: {reason_of(error)}") from None
+            if error.errno not in DISK_FAULTS:
+                raise ConfigError(f"record.folder: cannot write into {config.folder}: {reason_of(error)}") from None
         self._tape: Final = tape
         self._writer: Final = Writer(folder)
         self._file_bytes: Final = int(config.file_mb * MEGABYTE)

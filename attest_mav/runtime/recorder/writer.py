@@ -99,6 +99,7 @@ class Writer:
             self._sync_s = now_s + SYNC_S
             if self._fd is not None:
                 os.fdatasync(self._fd)
+            self._folder.make()
             if not self._folder.has_room(self.path if self._fd is not None else None):
                 self._fail("the disk is full but for the reserve; free some space", part.frames)
                 return
