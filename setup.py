@@ -34,6 +34,7 @@ CORE = [
     "filters",
     "estimation",
     "mavlink",
+    "logs/marks.py",
     "logs/dataflash",
     "logs/tlog",
     "logs/ulog",

@@ -66,12 +66,19 @@ class Route:
         self.bindings: Final = bindings
         """By the number of the stream, None for one that is not wanted."""
 
+    def take(self, data: bytes, at: i64, samples: list[Sample]) -> None:
+        """Count the record at this place, and add its samples if it is wanted."""
+        place = self.number_at
+        binding = self.binding(0 if place < 0 else data[at + place])
+        if binding is not None:
+            samples.extend(binding.take(data, at))
+
     def binding(self, number: int) -> Binding | None:
         """Count a record with this number; its reader, None where it is not wanted."""
         if number < 0 or number >= len(self.counts):
             self.other += 1
             return None
-        self.counts[number] += 1
+        self.counts[number] = self.counts[number] + 1  # quicker than += when it is compiled
         return self.bindings[number]
 
 
