@@ -56,7 +56,9 @@ class Route:
         """Bytes of a record."""
         self.streams: Final = streams
         self.counts: Final = [0] * len(streams)
-        """Records of each stream."""
+        """Records of each stream, those of ``of_one_stream`` aside."""
+        self.of_one_stream: i64 = 0
+        """Records of a type without a number that were taken from bytes: a plain number counts quickest."""
         self.other = 0
         """Records with a number that no stream has."""
         self.number_column: Final = number_at
@@ -65,11 +67,16 @@ class Route:
         """Its place in the bytes of a record."""
         self.bindings: Final = bindings
         """By the number of the stream, None for one that is not wanted."""
+        self._only: Final = bindings[0] if len(bindings) == 1 else None
 
     def take(self, data: bytes, at: i64, samples: list[Sample]) -> None:
         """Count the record at this place, and add its samples if it is wanted."""
         place = self.number_at
-        binding = self.binding(0 if place < 0 else data[at + place])
+        if place < 0:
+            self.of_one_stream += 1
+            binding = self._only
+        else:
+            binding = self.binding(data[at + place])
         if binding is not None:
             samples.extend(binding.take(data, at))
 
@@ -110,7 +117,8 @@ class Router:
         """Number of records by stream."""
         counts: dict[str, int] = {}
         for route in self._routes.values():
-            for stream, count in zip(route.streams, route.counts, strict=True):
+            for stream, counted in zip(route.streams, route.counts, strict=True):
+                count = counted + route.of_one_stream
                 if count:
                     counts[stream] = counts.get(stream, 0) + count
             if route.other:

@@ -20,12 +20,14 @@ from attest_mav.logs.damage import Damage
 from attest_mav.logs.dataflash.record_format import FORMAT_BYTES, FORMAT_TYPE, HEADER_BYTES, parse_format
 from attest_mav.logs.dataflash.routes import Route, Router
 from attest_mav.logs.dataflash.selection import time_column
-from attest_mav.logs.marks import Marks
 from attest_mav.samples import Sample
 
 MAGIC: Final = b"\xa3\x95"
+MAGIC_BYTES: Final = 2
 MARGIN: Final = 1024
 """More than the longest stretch that deciding on one record looks ahead: three records of at most 255 bytes."""
+STRETCH: Final = 8192
+"""Bytes in which the magics are counted at once: one number in 65,536 looks like one, and costs a search a record."""
 LONGEST_GAP_NS: Final = 60_000_000_000
 """A record between damage on both sides is no more than this away from the newest one in time."""
 _NUMBERS: Final = {"Q": Struct("<Q"), "I": Struct("<I")}
@@ -53,7 +55,6 @@ class RecordWalker:
         self._intact_to: Final = intact_to
         self._known_to: i64 = 0
         """The same, counted from the begin of the window."""
-        self._magics: Final = Marks(MAGIC)
 
     @property
     def position(self) -> int:
@@ -63,7 +64,6 @@ class RecordWalker:
     def walk(self, window: bytes, final: bool) -> list[Sample]:
         """The samples of the window that begins at ``position``. final: it reaches to the end of the log."""
         self._data, self._size, self._final = window, len(window), final
-        self._magics.begin(window)
         self._known_to = max(self._intact_to - self._position, 0)
         samples: list[Sample] = []
         stop: i64 = self._size if final else self._size - MARGIN
@@ -93,7 +93,7 @@ class RecordWalker:
         if not self._has_magic(at):
             return at
         last: i64 = self._size - HEADER_BYTES
-        begin = at
+        begin, plain_to = at, self._known_to
         records = 0
         while at < stop:
             kind = data[at + 2]
@@ -103,13 +103,37 @@ class RecordWalker:
             end = at + route.length
             if end > last or data[end] != 0xA3 or data[end + 1] != 0x95:
                 break
-            if end > self._known_to and self._magics.behind(at) < end:
-                break
+            if end > plain_to:
+                plain_to = self._plain_to(at, stop)
+                if end > plain_to:
+                    break
             records += 1
             route.take(data, at, samples)
             at = end
         self.records += records
         self._in_damage = self._in_damage and at == begin
+        return at
+
+    def _plain_to(self, begin: i64, stop: i64) -> i64:
+        """End of the records from ``begin`` on that have no magic inside, as far as one count of it reaches."""
+        data, routes = self._data, self._routes
+        stretch: i64 = min(stop, begin + STRETCH, self._size - MAGIC_BYTES)
+        at = begin
+        records = 0
+        while at < stretch:
+            route = routes[data[at + 2]]
+            if route is None or data[at + 2] == FORMAT_TYPE or data[at] != 0xA3 or data[at + 1] != 0x95:
+                break
+            at += route.length
+            records += 1
+        return at if data.count(MAGIC, begin, at) == records else self._first_with_magic(begin)
+
+    def _first_with_magic(self, at: i64) -> i64:
+        """The first record from ``at`` on that has a magic inside."""
+        length = self._length(at)
+        while length > 0 and self._next_magic(at + 1, at + length) == at + length:
+            at += length
+            length = self._length(at)
         return at
 
     def _take(self, at: i64, samples: list[Sample]) -> None:
@@ -147,8 +171,7 @@ class RecordWalker:
         kind = self._data[at + 2]
         end = at + length
         if self._is_followed(end):
-            is_plain = end <= self._known_to or self._magics.behind(at) >= end
-            return length if is_plain or not self._hides_end(at + HEADER_BYTES, end) else 0
+            return length if end <= self._known_to or not self._hides_end(at + HEADER_BYTES, end) else 0
         former = self._former[kind]
         if former is not None and self._is_followed(at + former.length) and not self._is_cut(at, at + former.length):
             self._exchange(kind)

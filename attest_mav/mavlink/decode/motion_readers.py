@@ -71,7 +71,16 @@ class GpsReader(Reader):
             )
         samples.append(
             PositionSample(
-                self.name, frame.system, frame.component, t_ns, frame.rx_ns, lat * 1e-7, lon * 1e-7, alt * 1e-3
+                self.name,
+                frame.system,
+                frame.component,
+                t_ns,
+                frame.rx_ns,
+                lat * 1e-7,
+                lon * 1e-7,
+                alt * 1e-3,
+                satellites if satellites != UINT8_MAX else None,
+                eph * CENTI if eph != UINT16_MAX else None,
             )
         )
         return samples
