@@ -73,7 +73,7 @@ class GpsReader(RecordReader):
                     numbers[5],
                     altitude,
                     int(numbers[9]) if isfinite(numbers[9]) else None,
-                    numbers[8] if isfinite(numbers[8]) else None,
+                    numbers[8] if numbers[8] > 0.0 else None,
                 )
             )
         return samples

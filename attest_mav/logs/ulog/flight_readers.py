@@ -77,7 +77,7 @@ class ReceiverReader(TopicReader):
         if isfinite(latitude + longitude + altitude):
             place = (latitude, longitude, altitude)
             satellites = int(numbers[8]) if isfinite(numbers[8]) else None
-            dilution = numbers[7] if isfinite(numbers[7]) else None
+            dilution = numbers[7] if numbers[7] > 0.0 else None
             samples.append(PositionSample(self._source, SYSTEM, COMPONENT, t_ns, t_ns, *place, satellites, dilution))
         return samples
 
