@@ -34,7 +34,6 @@ CORE = [
     "filters",
     "estimation",
     "mavlink",
-    "logs/marks.py",
     "logs/dataflash",
     "logs/tlog",
     "logs/ulog",

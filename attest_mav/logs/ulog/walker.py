@@ -12,8 +12,8 @@ from typing import Final
 from mypy_extensions import i64
 
 from attest_mav.logs.damage import Damage
-from attest_mav.logs.marks import Marks
 from attest_mav.logs.ulog.headers import HEADER_BYTES, UNDECIDED, Headers
+from attest_mav.logs.ulog.marks import Marks
 from attest_mav.logs.ulog.messages import TAGGED_TEXT_AT, TEXT_AT
 from attest_mav.logs.ulog.topics import Topics
 from attest_mav.samples import Sample
