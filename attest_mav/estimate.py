@@ -17,7 +17,7 @@ class Estimate(Record):
     angular rate, rad/s. north: reference of the heading. tilt_sigma, heading_sigma: 1-sigma, rad, NaN where the
     filter has no covariance. dt_s: the step that led here, s. delay_s: how much later than usual the sample came, s.
     innovations: of the aids that had something to say in this step. sigma_is_proven: the sigmas cover the errors in
-    flight too.
+    flight too. accel_bias: of the accelerometer, m/s^2, body; None where the filter does not estimate it.
     """
 
     def __init__(
@@ -35,6 +35,7 @@ class Estimate(Record):
         delay_s: float = 0.0,
         innovations: tuple[Innovation, ...] = (),
         sigma_is_proven: bool = False,
+        accel_bias: Vec3 | None = None,
     ) -> None:
         self.lane: Final = lane
         self.filter_name: Final = filter_name
@@ -49,3 +50,4 @@ class Estimate(Record):
         self.delay_s: Final = delay_s
         self.innovations: Final = innovations
         self.sigma_is_proven: Final = sigma_is_proven
+        self.accel_bias: Final = accel_bias

@@ -180,6 +180,8 @@ class PositionSample(Sample):
     """A position good enough to look up the declination: GPS_RAW_INT with a 3-D fix.
 
     Latitude and longitude in degrees (people's units: they are only ever shown or looked up), altitude in m.
+    satellites: number of those that the receiver uses. dilution: horizontal dilution of precision. None for one that is
+    not told.
     """
 
     def __init__(
@@ -192,11 +194,15 @@ class PositionSample(Sample):
         latitude_deg: float,
         longitude_deg: float,
         altitude_m: float,
+        satellites: int | None = None,
+        dilution: float | None = None,
     ) -> None:
         super().__init__(source, system, component, t_ns, rx_ns)
         self.latitude_deg: Final = latitude_deg
         self.longitude_deg: Final = longitude_deg
         self.altitude_m: Final = altitude_m
+        self.satellites: Final = satellites
+        self.dilution: Final = dilution
 
 
 @mypyc_attr(acyclic=True)  # as Sample

@@ -183,3 +183,11 @@ class EstimatorNewsSample(Sample):
         super().__init__(source, system, component, NO_TIME, rx_ns)
         self.news: Final = news
         self.text: Final = text
+
+
+class TextSample(Sample):
+    """A text of the autopilot for people, or an error of its log in words."""
+
+    def __init__(self, source: str, system: int, component: int, rx_ns: int, text: str) -> None:
+        super().__init__(source, system, component, NO_TIME, rx_ns)
+        self.text: Final = text

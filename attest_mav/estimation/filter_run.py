@@ -80,6 +80,7 @@ class FilterRun:
             delay_s,
             state.innovations,
             state.sigma_is_proven,
+            state.accel_bias,
         )
 
 

@@ -168,6 +168,11 @@ class FilterState(Record):
         return None
 
     @property
+    def accel_bias(self) -> Vec3 | None:
+        """Bias of the accelerometer, m/s^2, body; None where the filter does not estimate one."""
+        return None
+
+    @property
     def sigma_is_proven(self) -> bool:
         """True while the sigmas cover the errors in flight too, so that a verdict may go by them."""
         return False

@@ -29,6 +29,10 @@ class Damage:
                 self.first.append((offset, size))
         self._end = offset + size
 
+    def intact_to(self, size: int) -> int:
+        """Place of the first damage in a log of this size; the size if there is none."""
+        return self.first[0][0] if self.first else size
+
     def note(self) -> str:
         """The remark for people."""
         places = ", ".join(f"{size} at byte {offset}" for offset, size in self.first)

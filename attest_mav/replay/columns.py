@@ -90,6 +90,7 @@ COLUMNS: Final[tuple[Column, ...]] = (
     *[column for aid in Aid for column in _reals(_unit_of(aid), *residual_names(aid))],
     *_texts("verdict", "verdict_reason"),
     *_reals("deg", "verdict_tilt_deg", "verdict_heading_deg"),
+    Column("utc_s", Kind.REAL, "s", 3),
 )
 """t_s counts from the first inertial sample, on the sensor's clock; counted is 1 for rows that enter the figures.
 
@@ -97,5 +98,6 @@ Each aid has two columns, filled in the steps in which it had something to say: 
 normalised innovation squared; its residual stands further behind. reference: the reference at the time of the row.
 lane: the inertial message of the estimate, whose readings accel and mag are; rate: the body rates less the gyro bias.
 gnss_velocity: filled in the first row after a fix has come. verdict: the newest one beside the filter when the estimate
-was made. The autopilot's own rows have attitude, errors and reference alone.
+was made. utc_s: UTC in seconds since 1970, empty before the log tells the date. The autopilot's own rows have attitude,
+errors, reference and utc_s alone.
 """

@@ -31,6 +31,7 @@ class Attitude(Record):
         heading_sigma: float,
         counted: bool,
         innovations: tuple[Innovation, ...] = (),
+        unix_s: float | None = None,
     ) -> None:
         self.t_ns: Final = t_ns % WRAP_NS  # 32-bit clocks wrap, others do not: here all do
         """Sensor clock, ns."""
@@ -46,6 +47,8 @@ class Attitude(Record):
         """True after the time that is left out of the figures."""
         self.innovations: Final = innovations
         """Of the aids that had something to say in this step."""
+        self.unix_s: Final = unix_s
+        """UTC, s since 1970; None before the log has told it."""
 
 
 @mypyc_attr(acyclic=True)  # as Sample

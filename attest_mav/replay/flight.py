@@ -217,7 +217,8 @@ class Flight:
 
     def _take_smoothed(self, run: SmoothedRun, sample: ImuSample, elapsed_s: float, position: int) -> None:
         """The smoothed attitude at an inertial sample: into the reference, or beside it, and into the annotated log."""
-        estimate = run.take(sample, elapsed_s, elapsed_s >= self.runs[0].aligned_s + self.window.skip_s)
+        counted = elapsed_s >= self.runs[0].aligned_s + self.window.skip_s
+        estimate = run.take(sample, elapsed_s, counted, self.clock.unix_s(elapsed_s))
         if estimate is None:
             return
         if self._writer is not None:
@@ -252,6 +253,7 @@ class Flight:
                 estimate.heading_sigma,
                 elapsed_s >= run.aligned_s + self.window.skip_s and self._reference_is_sure,
                 estimate.innovations,
+                self.clock.unix_s(elapsed_s),
             )
         )
 
@@ -284,7 +286,8 @@ class Flight:
             return
         elapsed_s = self._time.at(sample.t_ns)
         counted = elapsed_s >= self.runs[0].aligned_s + self.window.skip_s and self._reference_is_sure
-        self.autopilot.add(Attitude(sample.t_ns, elapsed_s, sample.q_nb, North.TRUE, nan, nan, counted))
+        unix_s = self.clock.unix_s(elapsed_s)
+        self.autopilot.add(Attitude(sample.t_ns, elapsed_s, sample.q_nb, North.TRUE, nan, nan, counted, unix_s=unix_s))
 
     def _take_stamped(self, stamped: Stamped | None) -> None:
         if stamped is not None:

@@ -32,10 +32,11 @@ class SmoothedRun:
         self._lane: Final = plan.imu
         flight.begin()
 
-    def take(self, sample: ImuSample, elapsed_s: float, counted: bool) -> Estimate | None:
+    def take(self, sample: ImuSample, elapsed_s: float, counted: bool, unix_s: float | None) -> Estimate | None:
         """The smoothed attitude at the next inertial sample; None where the smoother did not use the sample.
 
-        elapsed_s: log time, s. counted: whether the time that is left out of the figures is over.
+        elapsed_s: log time, s. counted: whether the time that is left out of the figures is over. unix_s: UTC, s since
+        1970, None where it is not known.
         """
         now = self._flight.at(sample.t_ns)
         if now is None:
@@ -45,7 +46,7 @@ class SmoothedRun:
         if counted and self.is_sure:
             self.sigmas.add(now.tilt_sigma, now.heading_sigma)
         north, sigmas = self._flight.north, (now.tilt_sigma, now.heading_sigma)
-        attitude = Attitude(sample.t_ns, elapsed_s, now.q_nb, north, *sigmas, counted)
+        attitude = Attitude(sample.t_ns, elapsed_s, now.q_nb, north, *sigmas, counted, unix_s=unix_s)
         if not self.is_reference:
             self.comparison.add(attitude)
         elif self._sink is not None:

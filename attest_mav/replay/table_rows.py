@@ -108,6 +108,7 @@ class TableRows:
         row += _beside(beside)
         row += _residuals(attitude.innovations)
         row += [None] * 4 if beside is None else beside.verdict
+        row.append(attitude.unix_s)
         for sink in self._sinks:
             sink.write(row)
 

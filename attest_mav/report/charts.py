@@ -3,6 +3,7 @@
 from math import isfinite
 from typing import Any, Final
 
+from attest_mav.logs.source import SMOOTHED
 from attest_mav.report.envelope import Envelope
 from attest_mav.report.kinds import Chart
 from attest_mav.report.recorder import AXES, NED, REFERENCE, FlightRecorder, Key
@@ -34,7 +35,7 @@ OTHER_COLOURS: Final = (2, 4, 3, 0, 1)
 OF_LANES: Final = frozenset({Chart.INTERVAL, Chart.VIBRATION, Chart.CLIPPING, Chart.FIELD_STRENGTH})
 ROLES: Final = (SIGMA, REFERENCE, "verdict", AUTOPILOT, *(f"part{place}" for place in range(COLOURS)), "ours")
 """The roles of series, each with a colour; those that come later are drawn over the others."""
-OF_FILTER: Final = frozenset({Chart.NIS, Chart.INNOVATION, Chart.GYRO_BIAS, Chart.INCLINATION})
+OF_FILTER: Final = frozenset({Chart.NIS, Chart.INNOVATION, Chart.GYRO_BIAS, Chart.ACCEL_BIAS, Chart.INCLINATION})
 """Charts of one filter, of which the judging one is shown."""
 
 
@@ -43,7 +44,7 @@ def charts_of(recorder: FlightRecorder, report: dict[str, Any]) -> list[dict[str
     judge = report["verdict"]["filter"]
     panels: dict[tuple[Chart, str], list[Key]] = {}
     for key in recorder.series:
-        if _is_shown(key, judge) and _says_something(key, recorder):
+        if _is_shown(key, judge) and not _is_reference_twice(key, report) and _says_something(key, recorder):
             panels.setdefault((key.chart, key.panel if key.chart == Chart.INNOVATION else ""), []).append(key)
     order = list(Chart)
     charts = []
@@ -56,10 +57,19 @@ def charts_of(recorder: FlightRecorder, report: dict[str, Any]) -> list[dict[str
 
 def _is_shown(key: Key, judge: str) -> bool:
     """Whether a series is on the page: what belongs to one filter is shown of the judging one."""
-    if key.chart in OF_FILTER or key.part == SIGMA:
+    if key.part == SIGMA:
+        return key.subject in (judge, SMOOTHED)
+    if key.chart in OF_FILTER:
         return key.subject == judge
     is_verdict = key.chart in (Chart.TILT, Chart.HEADING) and key.part not in (REFERENCE, SIGMA)
     return key.part == judge if is_verdict else True
+
+
+def _is_reference_twice(key: Key, report: dict[str, Any]) -> bool:
+    """Whether an attitude is the smoothed one, which the reference's series shows already."""
+    reference = report["reference"]
+    is_reference = reference is not None and reference["message"] == SMOOTHED
+    return is_reference and key.subject == SMOOTHED and key.part != SIGMA
 
 
 def _says_something(key: Key, recorder: FlightRecorder) -> bool:
@@ -114,7 +124,7 @@ class _Names:
     def _role(self, key: Key) -> str:
         """The name of the colour: one for each subject over all charts, or one for each axis."""
         if key.part == SIGMA:
-            return SIGMA
+            return REFERENCE if key.subject == SMOOTHED else SIGMA
         if key.chart in (Chart.TILT, Chart.HEADING) and key.part != REFERENCE:
             return "verdict"
         if key.chart not in (Chart.TILT, Chart.HEADING) and key.part:

@@ -5,10 +5,13 @@ from typing import Final
 
 from attest_mav.estimation.events import LaneEvent
 from attest_mav.samples import Sample
-from attest_mav.vehicle_reports import EstimatorNewsSample, HeartbeatSample, LandedSample
+from attest_mav.vehicle_reports import EstimatorNewsSample, HeartbeatSample, LandedSample, TextSample
 
 MOST_MARKS: Final = 300
 """Marks of one origin."""
+MOST_TEXTS: Final = 100
+"""Other texts of the autopilot than those on its estimator."""
+TEXTS: Final = "texts"
 AUTOPILOT: Final = "autopilot"
 
 
@@ -28,7 +31,7 @@ class Marks:
 
     marks: list[Mark] = field(default_factory=list)
     left_out: int = 0
-    """Events beyond ``MOST_MARKS`` of their origin."""
+    """Events beyond ``MOST_MARKS`` of their origin, and texts beyond ``MOST_TEXTS``."""
     _counts: dict[str, int] = field(default_factory=dict)
     _armed: bool | None = None
     _mode: int | None = None
@@ -44,6 +47,8 @@ class Marks:
             self._on_ground = sample.on_ground
         elif isinstance(sample, EstimatorNewsSample):
             self._add(t_s, AUTOPILOT, sample.text)
+        elif isinstance(sample, TextSample):
+            self._add(t_s, AUTOPILOT, sample.text, TEXTS, MOST_TEXTS)
 
     def take_lane(self, name: str, event: LaneEvent, t_s: float) -> None:
         """Take an event of a lane of this filter."""
@@ -56,9 +61,11 @@ class Marks:
             self._add(t_s, AUTOPILOT, f"flight mode {sample.mode}")
         self._armed, self._mode = sample.armed, sample.mode
 
-    def _add(self, t_s: float, origin: str, text: str) -> None:
-        count = self._counts[origin] = self._counts.get(origin, 0) + 1
-        if count <= MOST_MARKS:
+    def _add(self, t_s: float, origin: str, text: str, kind: str = "", most: int = MOST_MARKS) -> None:
+        """Keep an event. kind: those that are counted apart, at most ``most`` of them."""
+        counted = kind or origin
+        count = self._counts[counted] = self._counts.get(counted, 0) + 1
+        if count <= most:
             self.marks.append(Mark(t_s, origin, text))
         else:
             self.left_out += 1

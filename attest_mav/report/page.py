@@ -20,6 +20,7 @@ from attest_mav.report.tables import (
     facts_of,
     lane_table,
     notes_of,
+    peak_table,
     table,
     verdict_table,
 )
@@ -145,8 +146,8 @@ def _tables(report: dict[str, Any], marks: list[Mark], left_out: int) -> str:
     events = table(
         f"Events{rest}", ("log time, s", "origin", "event"), [(f"{one.t_s:.1f}", one.origin, one.text) for one in marks]
     )
-    tables = (error_table(report), consistency_table(report), verdict_table(report), lane_table(report), events)
-    return "".join(tables)
+    compared = (error_table(report), peak_table(report), consistency_table(report))
+    return "".join((*compared, verdict_table(report), lane_table(report), events))
 
 
 def _hash(text: str) -> str:

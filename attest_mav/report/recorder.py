@@ -12,7 +12,7 @@ from attest_mav.report.envelope import Envelope
 from attest_mav.report.kinds import Chart
 from attest_mav.report.marks import Marks
 from attest_mav.report.windows import Window, Windows
-from attest_mav.samples import ImuSample, Sample, VelocitySample
+from attest_mav.samples import ImuSample, PositionSample, Sample, VelocitySample
 from attest_mav.types import EarthField, Quat, VelocityOrigin
 from attest_mav.vehicle_reports import EstimatorStatusSample
 
@@ -75,6 +75,9 @@ class FlightRecorder:
         bias = sub(sample.gyro, estimate.rates)
         for axis, value in zip(AXES, bias, strict=True):
             self._add(Key(Chart.GYRO_BIAS, name, axis), elapsed_s, degrees(value))
+        if estimate.accel_bias is not None:
+            for axis, value in zip(AXES, estimate.accel_bias, strict=True):
+                self._add(Key(Chart.ACCEL_BIAS, name, axis), elapsed_s, value)
         mag = sample.mag
         if mag is not None and norm(mag) > 0.0:
             down = rotate(estimate.q_nb, mag)[2] / norm(mag)
@@ -102,6 +105,11 @@ class FlightRecorder:
             self._add(Key(Chart.SPEED, subject), elapsed_s, hypot(sample.v_ned[0], sample.v_ned[1]))
             if sample.sigma is not None:
                 self._add(Key(Chart.SPEED_SIGMA, subject), elapsed_s, sample.sigma)
+        elif isinstance(sample, PositionSample):
+            if sample.satellites is not None:
+                self._add(Key(Chart.SATELLITES, "receiver"), elapsed_s, float(sample.satellites))
+            if sample.dilution is not None:
+                self._add(Key(Chart.DILUTION, "receiver"), elapsed_s, sample.dilution)
         elif isinstance(sample, EstimatorStatusSample):
             self._test_ratios(sample, elapsed_s)
 

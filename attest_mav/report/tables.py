@@ -4,6 +4,8 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import Any, Final
 
+from attest_mav.replay.peaks import time_of_day
+
 MOST_ROWS: Final = 200
 """Rows of one table."""
 LONG_TEXT: Final = 24
@@ -39,18 +41,45 @@ def _kind(cell: str) -> str:
 
 def error_table(report: dict[str, Any]) -> str:
     """Errors of every filter and of the autopilot's own attitude."""
-    own = report["autopilot"]
-    named = [(one["name"], one) for one in report["filters"]]
-    if own is not None:
-        named.append((f"autopilot's {own['message']}", own))
     reference = report["reference"]
     against = "without a reference" if reference is None else f"against {reference['message']}"
     skip = report["window"]["skip_s"]
     return table(
         f"Errors {against}, degrees, from {skip:g} s after alignment",
         ("", "tilt rms", "p95", "max", "heading rms", "p95", "max", "samples"),
-        [(name, *_spread(one["tilt_deg"]), *_spread(one["heading_deg"]), str(one["samples"])) for name, one in named],
+        [
+            (name, *_spread(one["tilt_deg"]), *_spread(one["heading_deg"]), str(one["samples"]))
+            for name, one in _compared(report)
+        ],
     )
+
+
+def peak_table(report: dict[str, Any]) -> str:
+    """The largest errors: when they were, in log time and by the clock, and what the vehicle did then."""
+    rows = [
+        (name, angle, *_peak(one[f"{angle}_deg"]))
+        for name, one in _compared(report)
+        for angle in ("tilt", "heading")
+        if one[f"{angle}_deg"] is not None
+    ]
+    return table("Largest errors", ("", "angle", "error, °", "log time, s", "time of day, UTC", "phase"), rows)
+
+
+def _compared(report: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+    """What is compared with the reference, by name: filters, smoothed attitude, the autopilot's own."""
+    own, smoothed = report["autopilot"], report["smoothed"]
+    named = [(one["name"], one) for one in report["filters"]]
+    if smoothed is not None and smoothed["samples"]:
+        named.append((smoothed["name"], smoothed))
+    if own is not None:
+        named.append((f"autopilot's {own['message']}", own))
+    return named
+
+
+def _peak(spread: dict[str, Any]) -> list[str]:
+    unix_s = spread["max_at_unix_s"]
+    clock = LACK if unix_s is None else time_of_day(unix_s)
+    return [figure(spread["max"]), f"{spread['max_at_s']:.1f}", clock, spread["max_phase"]]
 
 
 def _spread(spread: dict[str, float] | None) -> list[str]:
@@ -149,10 +178,18 @@ def facts_of(report: dict[str, Any]) -> str:
             f"{report['format']}, {report['frames']} frames, {report['duration_s']:.1f} s{bad}",
             f"Vehicle {report['vehicle']['system']}/{report['vehicle']['component']}",
             f"Inertial: {imu['message']}, {imu['samples']} samples{rate}, gaps: {imu['gaps']}",
-            "Reference: none" if reference is None else f"Reference: {reference['message']}",
+            "Reference: none" if reference is None else f"Reference: {reference['message']}{_sigma(reference)}",
             f"Headings from {north['reference']} north{declination}",
         ]
     )
+
+
+def _sigma(reference: dict[str, Any]) -> str:
+    """The uncertainty of a smoothed reference, "" for one that does not tell it."""
+    sigma = reference["sigma"]
+    spreads = [] if sigma is None else [(name, sigma[f"{name}_deg"]) for name in ("tilt", "heading")]
+    parts = [f"{name} sigma {figure(one['rms'])}° rms" for name, one in spreads if one is not None]
+    return "".join(f", {part}" for part in parts)
 
 
 def _list(items: Iterable[str]) -> str:

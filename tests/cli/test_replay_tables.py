@@ -50,7 +50,21 @@ def test_new_columns_stand_behind_those_that_programs_know(flown):
     names = list(flown[0][0])
     assert names.index(OLD_END) == 38
     assert names.index("reference_roll_deg") == 39
-    assert names[-4:] == ["verdict", "verdict_reason", "verdict_tilt_deg", "verdict_heading_deg"]
+    assert names[-5:] == ["verdict", "verdict_reason", "verdict_tilt_deg", "verdict_heading_deg", "utc_s"]
+
+
+def test_each_row_has_its_time_of_day_once_the_log_tells_the_date(tmp_path):
+    log = CUTS / "copter_standing_trim.tlog"
+    assert replay(log, "--csv", tmp_path / "t.csv").exit_code == 0
+    with (tmp_path / "t.csv").open(newline="") as file:
+        dated = [row for row in csv.DictReader(file) if row["utc_s"]]
+    source = mavutil.mavlink_connection(str(log), dialect="ardupilotmega")
+    told = source.recv_match(type="SYSTEM_TIME")
+    source.close()
+    assert len(dated) > 100
+    for row in dated[::50]:
+        since_s = float(row["time_boot_s"]) - 1e-3 * told.time_boot_ms
+        assert float(row["utc_s"]) == pytest.approx(1e-6 * told.time_unix_usec + since_s, abs=2e-3)
 
 
 def test_the_error_is_that_between_attitude_and_reference_of_the_row(flown):

@@ -28,7 +28,17 @@ def recorder():
         sample, t_s = imu(k, saturated=k in (55, 60)), 0.02 * k
         made.imu(sample, t_s)
         estimate = Estimate(
-            "RAW_IMU", FILTER, sample.t_ns, sample.rx_ns, LEVEL, (0.02, 0.02, 0.01), North.TRUE, 1, 1, 0.02
+            "RAW_IMU",
+            FILTER,
+            sample.t_ns,
+            sample.rx_ns,
+            LEVEL,
+            (0.02, 0.02, 0.01),
+            North.TRUE,
+            1,
+            1,
+            0.02,
+            accel_bias=(0.05, 0.0, -0.1),
         )
         made.estimate(FILTER, estimate, sample)
         innovations = (Innovation(Aid.VELOCITY, Fusion.USED, 0, (0.0, 0.0), (0.2, -0.4), (0.04, 0.04)),)
@@ -53,6 +63,7 @@ def report():
         "autopilot_reports": [],
     }
     error = {"rms": 1.0, "p95": 2.0, "max": 3.0}
+    error |= {"max_at_s": 7.2, "max_at_unix_s": 1_700_000_007.4, "max_phase": "climb"}
     fault = {"kind": "frozen", "text": "repeats one reading", "start_s": 4.0, "end_s": None}
     return {
         "log": "flight.tlog",
@@ -65,7 +76,8 @@ def report():
         "lanes": [{"message": "RAW_IMU", "samples": 600, "rate_hz": 50.0, "gaps": 0, "faults": [fault]}],
         "north": {"reference": "true", "declination_deg": 1.0, "source": "a table"},
         "window": {"start_s": 0.0, "end_s": None, "skip_s": 30.0},
-        "reference": {"message": "SIM_STATE", "samples": 600},
+        "reference": {"message": "SIM_STATE", "samples": 600, "sigma": None},
+        "smoothed": None,
         "filters": [{"name": FILTER, "samples": 600, "tilt_deg": error, "heading_deg": None, "consistency": None}],
         "autopilot": None,
         "verdict": {

@@ -29,12 +29,12 @@ COLOURED_PIXELS = """
   let count = 0;
   for (let i = 0; i < pixels.length; i += 4) {
     const three = pixels.slice(i, i + 3);
-    if (pixels[i + 3] > 200 && Math.max(...three) - Math.min(...three) > 60) count++;
+    if (pixels[i + 3] > 100 && Math.max(...three) - Math.min(...three) > 60) count++;
   }
   return count;
 })
 """
-"""Pixels that are no grey, by canvas: axes and texts are grey, series are not."""
+"""Pixels that are no grey, by canvas: axes and texts are grey, series are not. A level line can lie between rows."""
 SHOWN = "[Number(document.body.dataset.begin), Number(document.body.dataset.end)]"
 FIRST_CHART = """
 (() => {

@@ -113,3 +113,23 @@ def test_without_an_attitude_of_the_autopilot_there_is_no_verdict(recorder, repo
     page = page_of(report, recorder, ASSETS)
     assert "No verdict: the log has no attitude of the autopilot to judge." in page
     assert "Reference: none" in page
+
+
+def test_the_largest_errors_have_log_time_time_of_day_and_phase(recorder, report):
+    text = Reader(page_of(report, recorder, ASSETS)).text
+    assert "Largest errorsangleerror, °log time, stime of day, UTCphasevelocity-aidedtilt37.222:13:27.4climb" in text
+
+
+def test_a_log_without_a_date_has_no_time_of_day(recorder, report):
+    report["filters"][0]["tilt_deg"]["max_at_unix_s"] = None
+    assert "velocity-aidedtilt37.2-climb" in Reader(page_of(report, recorder, ASSETS)).text
+
+
+def test_a_smoothed_reference_tells_its_sigma(recorder, report):
+    spread = {"rms": 0.0421, "p95": 0.05, "max": 0.06}
+    report["reference"] = {
+        "message": "smoothed",
+        "samples": 600,
+        "sigma": {"tilt_deg": spread, "heading_deg": None, "unsure": 0},
+    }
+    assert "Reference: smoothed, tilt sigma 0.0421° rms" in Reader(page_of(report, recorder, ASSETS)).text

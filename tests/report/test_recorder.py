@@ -5,13 +5,15 @@ from math import degrees
 import pytest
 
 from attest_mav.estimation.events import Agreement, Verdict
+from attest_mav.logs.source import SMOOTHED
+from attest_mav.replay.comparison import Attitude, ComparedAttitude
 from attest_mav.report.charts import charts_of
 from attest_mav.report.kinds import Chart
-from attest_mav.report.marks import MOST_MARKS
+from attest_mav.report.marks import MOST_MARKS, MOST_TEXTS
 from attest_mav.report.recorder import Key
-from attest_mav.samples import VelocitySample
-from attest_mav.types import VehicleKind, VelocityOrigin
-from attest_mav.vehicle_reports import EstimatorNews, EstimatorNewsSample, HeartbeatSample, LandedSample
+from attest_mav.samples import PositionSample, VelocitySample
+from attest_mav.types import North, VehicleKind, VelocityOrigin
+from attest_mav.vehicle_reports import EstimatorNews, EstimatorNewsSample, HeartbeatSample, LandedSample, TextSample
 
 FILTER = "velocity-aided"
 
@@ -34,6 +36,8 @@ def chart_of(charts, title):
         ((Chart.TILT, FILTER, "sigma"), degrees(0.01)),
         ((Chart.GYRO_BIAS, FILTER, "x"), degrees(0.01)),
         ((Chart.GYRO_BIAS, FILTER, "y"), 0.0),
+        ((Chart.ACCEL_BIAS, FILTER, "x"), 0.05),
+        ((Chart.ACCEL_BIAS, FILTER, "z"), -0.1),
         ((Chart.INTERVAL, "RAW_IMU"), 20.0),
         ((Chart.FIELD_STRENGTH, "RAW_IMU"), 0.5),
         ((Chart.INCLINATION, FILTER), 53.13010),
@@ -101,6 +105,41 @@ def test_the_receiver_and_the_autopilot_have_speeds_of_their_own(recorder):
     assert values(recorder, Chart.SPEED_SIGMA, "receiver") == [0.4]
 
 
+def test_the_receiver_has_satellites_and_dilution_where_it_tells_them(recorder):
+    recorder.vehicle(PositionSample("GPS", 1, 1, 0, 0, 47.0, 8.0, 400.0, 11, 0.8), 2.0)
+    recorder.vehicle(PositionSample("GPS", 1, 1, 0, 0, 47.0, 8.0, 400.0), 3.0)
+    assert recorder.series[Key(Chart.SATELLITES, "receiver")].points == [(2.0, 11.0)]
+    assert recorder.series[Key(Chart.DILUTION, "receiver")].points == [(2.0, 0.8)]
+
+
+def smoothed(recorder):
+    """The smoothed attitude of the flight, with its sigma."""
+    for k in range(600):
+        attitude = Attitude(0, 0.02 * k, (1.0, 0.0, 0.0, 0.0), North.TRUE, 0.001, 0.002, True)
+        recorder.write(ComparedAttitude(SMOOTHED, attitude, None, None))
+
+
+def test_the_sigma_of_a_smoothed_reference_stands_beside_the_differences(recorder, report):
+    smoothed(recorder)
+    report["reference"]["message"] = SMOOTHED
+    charts = charts_of(recorder, report)
+    tilt, heading = (
+        next(one for one in chart_of(charts, title)["series"] if one["label"] == "sigma of smoothed")
+        for title in ("Tilt", "Heading")
+    )
+    assert tilt["role"] == "reference"
+    assert tilt["v"] == pytest.approx([degrees(0.001)] * len(tilt["v"]), rel=1e-4)
+    assert heading["v"] == pytest.approx([degrees(0.002)] * len(heading["v"]), rel=1e-4)
+    labels = [one["label"] for one in chart_of(charts, "Roll")["series"]]
+    assert labels == ["reference (smoothed)", FILTER]
+
+
+def test_a_smoothed_attitude_beside_another_reference_has_a_series_of_its_own(recorder, report):
+    smoothed(recorder)
+    labels = [one["label"] for one in chart_of(charts_of(recorder, report), "Roll")["series"]]
+    assert labels == ["reference (SIM_STATE)", SMOOTHED, FILTER]
+
+
 def heartbeat(armed, mode):
     return HeartbeatSample("HEARTBEAT", 1, 1, 0, 2, 3, armed, 4, VehicleKind.UNKNOWN, mode)
 
@@ -115,6 +154,7 @@ def test_events_of_the_autopilot_are_marks(recorder):
             heartbeat(armed=True, mode=5),
             heartbeat(armed=True, mode=5),
             EstimatorNewsSample("STATUSTEXT", 1, 1, 0, EstimatorNews.LANE_SWITCH, "EKF3 lane switch 1"),
+            TextSample("STATUSTEXT", 1, 1, 0, "Mission: 3 WP"),
             heartbeat(armed=False, mode=5),
         ]
     ):
@@ -124,7 +164,8 @@ def test_events_of_the_autopilot_are_marks(recorder):
         (3.0, "took off"),
         (4.0, "flight mode 5"),
         (6.0, "EKF3 lane switch 1"),
-        (7.0, "disarmed"),
+        (7.0, "Mission: 3 WP"),
+        (8.0, "disarmed"),
     ]
 
 
@@ -133,3 +174,11 @@ def test_a_flood_of_texts_is_bounded_and_counted(recorder):
         recorder.vehicle(EstimatorNewsSample("STATUSTEXT", 1, 1, 0, EstimatorNews.VARIANCE, f"text {k}"), float(k))
     assert len(recorder.marks.marks) == MOST_MARKS
     assert recorder.marks.left_out == 7
+
+
+def test_a_flood_of_other_texts_leaves_room_for_what_matters(recorder):
+    for k in range(MOST_TEXTS + 5):
+        recorder.vehicle(TextSample("STATUSTEXT", 1, 1, 0, f"text {k}"), float(k))
+    recorder.vehicle(EstimatorNewsSample("STATUSTEXT", 1, 1, 0, EstimatorNews.VARIANCE, "EKF variance"), 200.0)
+    assert [one.text for one in recorder.marks.marks] == [*[f"text {k}" for k in range(MOST_TEXTS)], "EKF variance"]
+    assert recorder.marks.left_out == 5

@@ -61,6 +61,11 @@ class VelocityAidedState(FilterState):
         return North.MAGNETIC if navigation.declination is None else North.TRUE
 
     @property
+    def accel_bias(self) -> Vec3 | None:
+        """Bias of the accelerometer, m/s^2, body; None before the first attitude."""
+        return None if self.navigation is None else self.navigation.estimate.accel_bias
+
+    @property
     def sigma_is_proven(self) -> bool:
         """True once there is an attitude: its covariance holds with every aid, and counts the cost of a reset."""
         return self.aligned

@@ -63,7 +63,18 @@ class GpsReader(RecordReader):
         if isfinite(numbers[4]) and isfinite(numbers[5]):
             altitude = numbers[6] if isfinite(numbers[6]) else 0.0
             samples.append(
-                PositionSample(self._source, SYSTEM, COMPONENT, t_ns, t_ns, numbers[4], numbers[5], altitude)
+                PositionSample(
+                    self._source,
+                    SYSTEM,
+                    COMPONENT,
+                    t_ns,
+                    t_ns,
+                    numbers[4],
+                    numbers[5],
+                    altitude,
+                    int(numbers[9]) if isfinite(numbers[9]) else None,
+                    numbers[8] if numbers[8] > 0.0 else None,
+                )
             )
         return samples
 

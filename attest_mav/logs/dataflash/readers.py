@@ -5,6 +5,7 @@ from typing import Final
 
 from attest_mav.estimation.body_frames import CORE_QUATERNIONS
 from attest_mav.logs.dataflash.attitude_readers import EulerReader, QuaternionReader
+from attest_mav.logs.dataflash.error_readers import ErrorReader
 from attest_mav.logs.dataflash.motion_readers import Accuracy, AccuracyReader, AirspeedReader, GpsReader, OriginReader
 from attest_mav.logs.dataflash.reader import COMPONENT, SYSTEM, RecordReader
 from attest_mav.logs.dataflash.roles import DATAFLASH_ROLES
@@ -13,7 +14,6 @@ from attest_mav.logs.dataflash.streams import SENSORS
 from attest_mav.logs.dataflash.survey import Survey
 from attest_mav.logs.dataflash.vehicle_readers import (
     ArmReader,
-    ErrorReader,
     EstimatorReader,
     EventReader,
     ModeReader,

@@ -56,7 +56,9 @@ class Route:
         """Bytes of a record."""
         self.streams: Final = streams
         self.counts: Final = [0] * len(streams)
-        """Records of each stream."""
+        """Records of each stream, those of ``of_one_stream`` aside."""
+        self.of_one_stream: i64 = 0
+        """Records of a type without a number that were taken from bytes: a plain number counts quickest."""
         self.other = 0
         """Records with a number that no stream has."""
         self.number_column: Final = number_at
@@ -65,13 +67,25 @@ class Route:
         """Its place in the bytes of a record."""
         self.bindings: Final = bindings
         """By the number of the stream, None for one that is not wanted."""
+        self._only: Final = bindings[0] if len(bindings) == 1 else None
+
+    def take(self, data: bytes, at: i64, samples: list[Sample]) -> None:
+        """Count the record at this place, and add its samples if it is wanted."""
+        place = self.number_at
+        if place < 0:
+            self.of_one_stream += 1
+            binding = self._only
+        else:
+            binding = self.binding(data[at + place])
+        if binding is not None:
+            samples.extend(binding.take(data, at))
 
     def binding(self, number: int) -> Binding | None:
         """Count a record with this number; its reader, None where it is not wanted."""
         if number < 0 or number >= len(self.counts):
             self.other += 1
             return None
-        self.counts[number] += 1
+        self.counts[number] = self.counts[number] + 1  # quicker than += when it is compiled
         return self.bindings[number]
 
 
@@ -103,7 +117,8 @@ class Router:
         """Number of records by stream."""
         counts: dict[str, int] = {}
         for route in self._routes.values():
-            for stream, count in zip(route.streams, route.counts, strict=True):
+            for stream, counted in zip(route.streams, route.counts, strict=True):
+                count = counted + route.of_one_stream
                 if count:
                     counts[stream] = counts.get(stream, 0) + count
             if route.other:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from math import nan
 from struct import Struct
-from typing import Final
+from typing import Any, Final
 
 from attest_mav.logs.dataflash.record_format import CODES, HEADER_BYTES, RecordFormat, text_of
 from attest_mav.logs.dataflash.units import Column, UnitTable
@@ -36,7 +36,7 @@ class Selection:
         factors = [unit_ns, *[_factor(record_format, column, units) for column in columns]]
         is_number = [at >= 0 and not CODES[record_format.codes[at]].is_text for at in places]
         self._places: Final = [at if fits else -1 for at, fits in zip(places, is_number, strict=True)]
-        self._factors: Final = factors
+        self._factors: Final[list[Any]] = list(factors)  # as objects: compiled, floats would be made anew each time
         self._last: Final = len(record_format.columns) - 1
         self._texts: Final = [record_format.index(name) for name in texts]
         self._line_factors: Final = [
@@ -44,19 +44,19 @@ class Selection:
             for at, factor in zip(self._places, factors, strict=True)
         ]
         wanted = sorted({at for at in [*self._places, *self._texts] if at >= 0})
-        self._struct: Final = _struct(record_format, wanted)
+        self._unpack: Final = _struct(record_format, wanted).unpack_from
         self._numbers_at: Final = [wanted.index(at) if at >= 0 else -1 for at in self._places]
         self._texts_at: Final = [wanted.index(at) if at >= 0 else -1 for at in self._texts]
 
     def numbers(self, data: bytes, at: int) -> list[float]:
         """The numbers of the record that begins at ``at``; NaN for one that it lacks."""
-        raw = self._struct.unpack_from(data, at + HEADER_BYTES)
+        raw = self._unpack(data, at + HEADER_BYTES)
         factors = self._factors
         return [raw[place] * factors[index] if place >= 0 else nan for index, place in enumerate(self._numbers_at)]
 
     def texts(self, data: bytes, at: int) -> list[str]:
         """The texts of the record that begins at ``at``; "" for one that it lacks."""
-        raw = self._struct.unpack_from(data, at + HEADER_BYTES)
+        raw = self._unpack(data, at + HEADER_BYTES)
         return [text_of(raw[place]) if place >= 0 and isinstance(raw[place], bytes) else "" for place in self._texts_at]
 
     def line_numbers(self, fields: Sequence[str]) -> list[float]:

@@ -52,12 +52,13 @@ class DataflashSource:
         self._log_format: Final = log_format
         self._survey = Survey()
         self._damage = Damage()
+        self._intact_to = 0
         self._readers: FlightReaders | None = None
         self._counts: dict[str, int] = {}
 
-    def _walker(self, router: Router) -> Walker:
-        """A walker over this log."""
-        return RecordWalker(router)
+    def _walker(self, router: Router, intact_to: int = 0) -> Walker:
+        """A walker over this log. intact_to: up to this byte the first pass has found no damage."""
+        return RecordWalker(router, intact_to)
 
     def summary(self, progress: Progress | None = None) -> LogSummary:
         """First pass. UnreadableDataError if the log has no record."""
@@ -69,6 +70,7 @@ class DataflashSource:
         if not walker.records:
             raise UnreadableDataError(f"this DataFlash log has no record; expected {EXPECTED}")
         self._survey, self._damage, self._counts = survey, walker.damage, survey.router.counts()
+        self._intact_to = walker.damage.intact_to(len(self._data))
         return LogSummary(
             log_format=self._log_format,
             roles=DATAFLASH_ROLES,
@@ -98,8 +100,9 @@ class DataflashSource:
         """Second pass, some samples at a time."""
         readers = FlightReaders(plan, self._survey, self._counts)
         self._readers = readers
-        walker = self._walker(Router(readers.readers, self._survey.units, self._survey.pace_ns))
         length = len(self._data)
+        router = Router(readers.readers, self._survey.units, self._survey.pace_ns)
+        walker = self._walker(router, self._intact_to)
         for samples in read_windows(self._data, walker):
             share = walker.position / length
             for start in range(0, len(samples), BATCH):
@@ -130,6 +133,6 @@ class TextSource(DataflashSource):
     def __init__(self, data: LogBytes) -> None:
         super().__init__(data, "dataflash-text")
 
-    def _walker(self, router: Router) -> Walker:
-        """A walker over this log."""
+    def _walker(self, router: Router, intact_to: int = 0) -> Walker:
+        """A walker over this log, whose lines need no look inside."""
         return TextWalker(router)

@@ -1,4 +1,4 @@
-"""The readers of the vehicle's state and of its words: MODE, ARM, EV, STAT; PARM, MSG, VER, ERR, XKF4."""
+"""The readers of the vehicle's state and of its words: MODE, ARM, EV, STAT; PARM, MSG, VER, XKF4."""
 
 from math import isfinite
 from typing import Final
@@ -16,8 +16,6 @@ from attest_mav.mavlink.decode.self_report_readers import ARDUPILOT_LIMIT
 from attest_mav.mavlink.decode.vehicle_kinds import vehicle_kind
 from attest_mav.samples import Sample
 from attest_mav.vehicle_reports import (
-    EstimatorNews,
-    EstimatorNewsSample,
     EstimatorStatusSample,
     FirmwareSample,
     HeartbeatSample,
@@ -34,11 +32,6 @@ FLYING_EVENT: Final = 28
 ATTITUDE_FLAG: Final = 1
 GLITCH_FLAG: Final = 1 << 14
 """Bits of SS (AP_Nav_Common.h, nav_filter_status): there is an attitude, the receiver glitches."""
-ESTIMATOR_ERRORS: Final = {
-    (16, 2): (EstimatorNews.VARIANCE, "EKF check: bad variance"),
-    (17, 1): (EstimatorNews.VARIANCE, "EKF failsafe"),
-}
-"""Subsystem and code of ERR that concern the estimator (AP_Logger.h, LogErrorSubsystem), with words for people."""
 
 
 class VehicleState:
@@ -158,7 +151,7 @@ class TextReader(RecordReader):
         """MAV_TYPE by the firmware's first words, None before them."""
 
     def read(self, t_ns: int, numbers: list[float], texts: list[str]) -> list[Sample]:
-        """The samples of a text about firmware or estimator."""
+        """The samples of ``text_samples``."""
         text = texts[0].strip()
         if self.vehicle_type is None:
             self.vehicle_type = banner_type(text)
@@ -177,20 +170,6 @@ class VersionReader(RecordReader):
             return []
         version = (int(numbers[1]), int(numbers[2]), int(numbers[3]))
         return [FirmwareSample("VER", SYSTEM, COMPONENT, t_ns, version)]
-
-
-class ErrorReader(RecordReader):
-    """ERR of the estimator."""
-
-    def __init__(self) -> None:
-        super().__init__([Column("Subsys"), Column("ECode")])
-
-    def read(self, t_ns: int, numbers: list[float], texts: list[str]) -> list[Sample]:
-        """One EstimatorNewsSample."""
-        if not isfinite(numbers[1] + numbers[2]):
-            return []
-        found = ESTIMATOR_ERRORS.get((int(numbers[1]), int(numbers[2])))
-        return [] if found is None else [EstimatorNewsSample("ERR", SYSTEM, COMPONENT, t_ns, found[0], found[1])]
 
 
 class EstimatorReader(RecordReader):

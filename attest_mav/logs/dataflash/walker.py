@@ -5,6 +5,9 @@ it; where a type is described twice, or its length is not that of its columns, t
 Bytes may be missing inside a record: then another one begins within its length, and the cut one is given up. Otherwise
 it is damage that stands behind it. A record between damage on both sides counts when its time goes on from the newest
 one, and a description (FMT) by its content.
+
+Most records are plain: no magic stands inside them, and one stands right behind. The look inside costs as much as all
+else, so a second walk over the same bytes leaves it out as far as the first one has found no damage.
 """
 
 from math import isfinite
@@ -23,15 +26,20 @@ MAGIC: Final = b"\xa3\x95"
 MAGIC_BYTES: Final = 2
 MARGIN: Final = 1024
 """More than the longest stretch that deciding on one record looks ahead: three records of at most 255 bytes."""
+STRETCH: Final = 8192
+"""Bytes in which the magics are counted at once: one number in 65,536 looks like one, and costs a search a record."""
 LONGEST_GAP_NS: Final = 60_000_000_000
 """A record between damage on both sides is no more than this away from the newest one in time."""
 _NUMBERS: Final = {"Q": Struct("<Q"), "I": Struct("<I")}
 
 
 class RecordWalker:
-    """The samples of the wanted records, from windows of the log. ``router``: makes the readers."""
+    """The samples of the wanted records, from windows of the log.
 
-    def __init__(self, router: Router) -> None:
+    router: makes the readers. intact_to: up to this byte another walk over the log has found no damage.
+    """
+
+    def __init__(self, router: Router, intact_to: int = 0) -> None:
         self.records = 0
         """Intact records, wanted or not."""
         self.damage: Final = Damage()
@@ -44,10 +52,9 @@ class RecordWalker:
         self._position = 0
         self._final = False
         self._in_damage = False
-        self._pieces: list[bytes] = [b""]
-        """The window, cut at each magic: the quickest way to all of its places."""
-        self._piece: i64 = 0
-        self._magic_at: i64 = 0
+        self._intact_to: Final = intact_to
+        self._known_to: i64 = 0
+        """The same, counted from the begin of the window."""
 
     @property
     def position(self) -> int:
@@ -57,13 +64,15 @@ class RecordWalker:
     def walk(self, window: bytes, final: bool) -> list[Sample]:
         """The samples of the window that begins at ``position``. final: it reaches to the end of the log."""
         self._data, self._size, self._final = window, len(window), final
-        self._pieces = window.split(MAGIC)
-        self._piece = 0
-        self._magic_at = len(self._pieces[0])
+        self._known_to = max(self._intact_to - self._position, 0)
         samples: list[Sample] = []
         stop: i64 = self._size if final else self._size - MARGIN
         at: i64 = 0
         while at < stop:
+            plain_to = self._take_plain(at, stop, samples)
+            if plain_to > at:
+                at = plain_to
+                continue
             length = self._intact(at)
             if length == 0:
                 following = self._next_magic(at + 1, stop)
@@ -78,19 +87,63 @@ class RecordWalker:
         self._position += at
         return samples
 
+    def _take_plain(self, at: i64, stop: i64, samples: list[Sample]) -> i64:
+        """Take the plain records from ``at`` on, but for descriptions; where the first other one begins."""
+        data, routes = self._data, self._routes
+        if not self._has_magic(at):
+            return at
+        last: i64 = self._size - HEADER_BYTES
+        begin, plain_to = at, self._known_to
+        records = 0
+        while at < stop:
+            kind = data[at + 2]
+            route = routes[kind]
+            if route is None or kind == FORMAT_TYPE:
+                break
+            end = at + route.length
+            if end > last or data[end] != 0xA3 or data[end + 1] != 0x95:
+                break
+            if end > plain_to:
+                plain_to = self._plain_to(at, stop)
+                if end > plain_to:
+                    break
+            records += 1
+            route.take(data, at, samples)
+            at = end
+        self.records += records
+        self._in_damage = self._in_damage and at == begin
+        return at
+
+    def _plain_to(self, begin: i64, stop: i64) -> i64:
+        """End of the records from ``begin`` on that have no magic inside, as far as one count of it reaches."""
+        data, routes = self._data, self._routes
+        stretch: i64 = min(stop, begin + STRETCH, self._size - MAGIC_BYTES)
+        at = begin
+        records = 0
+        while at < stretch:
+            route = routes[data[at + 2]]
+            if route is None or data[at + 2] == FORMAT_TYPE or data[at] != 0xA3 or data[at + 1] != 0x95:
+                break
+            at += route.length
+            records += 1
+        return at if data.count(MAGIC, begin, at) == records else self._first_with_magic(begin)
+
+    def _first_with_magic(self, at: i64) -> i64:
+        """The first record from ``at`` on that has a magic inside."""
+        length = self._length(at)
+        while length > 0 and self._next_magic(at + 1, at + length) == at + length:
+            at += length
+            length = self._length(at)
+        return at
+
     def _take(self, at: i64, samples: list[Sample]) -> None:
         """Count the record at this place, and read it if it is wanted."""
-        data = self._data
-        route = self._routes[data[at + 2]]
-        if data[at + 2] == FORMAT_TYPE:
+        kind = self._data[at + 2]
+        if kind == FORMAT_TYPE:
             self._describe(at)
-            route = self._routes[FORMAT_TYPE]
-        if route is None:
-            return
-        place = route.number_at
-        binding = route.binding(0 if place < 0 else data[at + place])
-        if binding is not None:
-            samples.extend(binding.take(data, at))
+        route = self._routes[kind]
+        if route is not None:
+            route.take(self._data, at, samples)
 
     def _describe(self, at: i64) -> None:
         """Take the description at this place, unless it is known."""
@@ -118,8 +171,7 @@ class RecordWalker:
         kind = self._data[at + 2]
         end = at + length
         if self._is_followed(end):
-            is_plain = self._magic_behind(at) >= end
-            return length if is_plain or not self._hides_end(at + HEADER_BYTES, end) else 0
+            return length if end <= self._known_to or not self._hides_end(at + HEADER_BYTES, end) else 0
         former = self._former[kind]
         if former is not None and self._is_followed(at + former.length) and not self._is_cut(at, at + former.length):
             self._exchange(kind)
@@ -131,7 +183,7 @@ class RecordWalker:
     def _length(self, at: i64) -> i64:
         """Length of the record whose header stands here and that ends in the window, 0 if there is none."""
         data = self._data
-        if at + HEADER_BYTES > self._size or data[at] != 0xA3 or data[at + 1] != 0x95:
+        if not self._has_magic(at):
             return 0
         if data[at + 2] == FORMAT_TYPE:
             if at + FORMAT_BYTES > self._size or parse_format(data[at + HEADER_BYTES : at + FORMAT_BYTES]) is None:
@@ -144,24 +196,16 @@ class RecordWalker:
 
     def _is_followed(self, end: i64) -> bool:
         """Whether another record, of any type, begins here, or the log ends."""
+        return self._has_magic(end) or (end == self._size and self._final)
+
+    def _has_magic(self, at: i64) -> bool:
+        """Whether the header of a record, of any type, stands here and ends in the window."""
         data = self._data
-        if end + HEADER_BYTES > self._size:
-            return end == self._size and self._final
-        return data[end] == 0xA3 and data[end + 1] == 0x95
+        return at + HEADER_BYTES <= self._size and data[at] == 0xA3 and data[at + 1] == 0x95
 
     def _exchange(self, kind: i64) -> None:
         """Believe the former description of a type."""
         self._routes[kind], self._former[kind] = self._former[kind], self._routes[kind]
-
-    def _magic_behind(self, at: i64) -> i64:
-        """Place of the first magic behind this place, which never goes back; the end of the window if there is none."""
-        while self._magic_at <= at:
-            self._piece += 1
-            if self._piece >= len(self._pieces):
-                self._magic_at = self._size
-                break
-            self._magic_at += MAGIC_BYTES + len(self._pieces[self._piece])
-        return self._magic_at
 
     def _hides_end(self, at: i64, end: i64) -> bool:
         """Whether this record has lost bytes, and as many of other records stand in their place up to its end.

@@ -75,7 +75,10 @@ class ReceiverReader(TopicReader):
         if not isfinite(latitude + longitude):
             latitude, longitude, altitude = 1e-7 * numbers[12], 1e-7 * numbers[13], 1e-3 * numbers[14]
         if isfinite(latitude + longitude + altitude):
-            samples.append(PositionSample(self._source, SYSTEM, COMPONENT, t_ns, t_ns, latitude, longitude, altitude))
+            place = (latitude, longitude, altitude)
+            satellites = int(numbers[8]) if isfinite(numbers[8]) else None
+            dilution = numbers[7] if numbers[7] > 0.0 else None
+            samples.append(PositionSample(self._source, SYSTEM, COMPONENT, t_ns, t_ns, *place, satellites, dilution))
         return samples
 
     @staticmethod

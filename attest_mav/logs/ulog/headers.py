@@ -49,7 +49,7 @@ class Headers:
 
     def is_file(self, at: i64) -> bool:
         """Whether a file begins here."""
-        return self._data[at] == FILE_MAGIC[0] and self._data.startswith(FILE_MAGIC, at)
+        return self._data[at] == 0x55 and self._data.startswith(FILE_MAGIC, at)
 
     def end(self, at: i64) -> i64:
         """End of the message or file header that begins here; 0 if none does, UNDECIDED if bytes are missing."""

@@ -80,7 +80,7 @@ class MessageReader:
         return [FirmwareSample(RELEASE, SYSTEM, COMPONENT, rx_ns, version_of(int(number)))]
 
     def text(self, body: bytes, text_at: int) -> list[Sample]:
-        """The samples of a text about the estimator."""
+        """The samples of ``text_samples``."""
         if len(body) < text_at:
             return []
         rx_ns = _TIME.unpack_from(body, text_at - _TIME.size)[0] * MICRO_NS

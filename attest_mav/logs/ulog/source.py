@@ -46,6 +46,7 @@ class UlogSource:
         self._counts: dict[str, int] = {}
         self._notes: list[str] = []
         self._duration_s = 0.0
+        self._intact_to = 0
         self._sensor: SensorReader | None = None
 
     def summary(self, progress: Progress | None = None) -> LogSummary:
@@ -61,6 +62,7 @@ class UlogSource:
             raise UnreadableDataError(f"this ULog has no message; expected {EXPECTED}")
         self._facts, self._counts, self._notes = facts, topics.counts(), damage_notes(walker)
         self._duration_s = topics.span_ns * 1e-9
+        self._intact_to = walker.damage.intact_to(len(self._data))
         return LogSummary(
             log_format="ulog",
             roles=ULOG_ROLES,
@@ -95,7 +97,7 @@ class UlogSource:
         self._sensor = sensors[plan.imu]
         with_velocity = [name for name in RECEIVERS if name in self._facts.velocities]
         receiver = with_velocity[0] if with_velocity else RECEIVERS[0]
-        walker = UlogWalker(Topics(flight_readers(plan, sensors, receiver)))
+        walker = UlogWalker(Topics(flight_readers(plan, sensors, receiver)), self._intact_to)
         length = len(self._data)
         for samples in read_windows(self._data, walker):
             share = walker.position / length

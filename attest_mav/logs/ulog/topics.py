@@ -19,7 +19,6 @@ LATEST_US: Final = 1 << 52
 CLOCK_BACK_NS: Final = 1_000_000_000
 _SUBSCRIPTION: Final = Struct("<BH")
 _TIME: Final = Struct("<Q")
-_ID: Final = Struct("<H")
 
 
 class Subscription:
@@ -81,7 +80,7 @@ class Topics:
 
     def data(self, data: bytes, begin: int, end: int) -> list[Sample]:
         """The samples of the data message whose body stands there."""
-        subscription = self._subscriptions[_ID.unpack_from(data, begin)[0]]
+        subscription = self._subscriptions[data[begin] + 256 * data[begin + 1]]
         subscription.count += 1
         reader, selection = subscription.reader, subscription.selection
         if reader is None or selection is None or begin + ID_BYTES + max(selection.size, TIME_BYTES) > end:

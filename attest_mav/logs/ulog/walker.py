@@ -13,6 +13,7 @@ from mypy_extensions import i64
 
 from attest_mav.logs.damage import Damage
 from attest_mav.logs.ulog.headers import HEADER_BYTES, UNDECIDED, Headers
+from attest_mav.logs.ulog.marks import Marks
 from attest_mav.logs.ulog.messages import TAGGED_TEXT_AT, TEXT_AT
 from attest_mav.logs.ulog.topics import Topics
 from attest_mav.samples import Sample
@@ -24,9 +25,12 @@ _OFFSETS: Final = Struct("<3Q")
 
 
 class UlogWalker:
-    """The samples of the wanted topics and messages, from windows of the log."""
+    """The samples of the wanted topics and messages, from windows of the log.
 
-    def __init__(self, topics: Topics) -> None:
+    intact_to: up to this byte another walk over the log has found no damage, so no look inside is needed.
+    """
+
+    def __init__(self, topics: Topics, intact_to: int = 0) -> None:
         self.records = 0
         """Intact messages, wanted or not."""
         self.damage: Final = Damage()
@@ -35,6 +39,10 @@ class UlogWalker:
         self.dropouts = 0
         self._topics: Final = topics
         self._headers: Final = Headers(topics)
+        self._intact_to: Final = intact_to
+        self._known_to: i64 = 0
+        """The same, counted from the begin of the window."""
+        self._data_marks: Final = Marks(b"D")
         self._file_at = 0
         self._behind_at: i64 = -1
         self._behind: i64 = 0
@@ -54,6 +62,8 @@ class UlogWalker:
         """The samples of the window that begins at ``position``. final: it reaches to the end of the log."""
         self._data, self._size, self._final = window, len(window), final
         self._headers.begin(window, final)
+        self._data_marks.begin(window)
+        self._known_to = max(self._intact_to - self._position, 0)
         self._behind_at = -1
         samples: list[Sample] = []
         at: i64 = 0
@@ -86,7 +96,7 @@ class UlogWalker:
         """End of the intact message or file header here; 0 if none begins, UNDECIDED if the next window shows it."""
         # The message behind the last one has been looked at; one that was none may be one by what the last one told.
         end = self._behind if at == self._behind_at and self._behind > 0 else self._headers.end(at)
-        if end <= 0:
+        if end <= self._known_to:
             return end
         if self._boundaries and self._is_cut(at, end):
             return 0
@@ -104,6 +114,8 @@ class UlogWalker:
 
     def _hides_end(self, at: i64, end: i64) -> bool:
         """Whether this message lost bytes, and data of the same number, or more messages, stand there up to its end."""
+        if self._data_marks.behind(at + HEADER_BYTES - 1) >= end:
+            return False
         kind: i64 = self._data.find(b"D", at + HEADER_BYTES, end)
         while kind >= 0:
             inside = kind - HEADER_BYTES + 1

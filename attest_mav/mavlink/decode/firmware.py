@@ -15,7 +15,7 @@ from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
 from attest_mav.samples import Sample
 from attest_mav.types import Version
-from attest_mav.vehicle_reports import EstimatorNews, EstimatorNewsSample, EstimatorSample, FirmwareSample
+from attest_mav.vehicle_reports import EstimatorNews, EstimatorNewsSample, EstimatorSample, FirmwareSample, TextSample
 from attest_mav.vehicle_settings import Estimator
 
 BANNER: Final = re.compile(
@@ -69,7 +69,7 @@ class AutopilotVersionReader(Reader):
 
 
 class StatusTextReader(Reader):
-    """STATUSTEXT of the kinds above; all others give nothing."""
+    """STATUSTEXT."""
 
     def __init__(self, dialect: Dialect) -> None:
         super().__init__("STATUSTEXT")
@@ -83,7 +83,7 @@ class StatusTextReader(Reader):
 
 
 def text_samples(source: str, system: int, component: int, rx_ns: int, text: str) -> list[Sample]:
-    """A FirmwareSample, or an EstimatorSample and an EstimatorNewsSample, or the latter alone; none for other texts."""
+    """A text about estimator or firmware as such; all others, but empty ones, as a TextSample for people."""
     samples: list[Sample] = []
     estimator = ESTIMATOR_TEXTS.get(text)
     if estimator is not None:
@@ -94,6 +94,8 @@ def text_samples(source: str, system: int, component: int, rx_ns: int, text: str
     version = banner_version(text)
     if version is not None:
         samples.append(FirmwareSample(source, system, component, rx_ns, version))
+    if text and news is None and version is None:
+        samples.append(TextSample(source, system, component, rx_ns, text))
     return samples
 
 

@@ -53,28 +53,22 @@ class GpsReader(Reader):
             return self.refuse(frame, time_refusal(t_ns, time))
         samples: list[Sample] = []
         if vel != UINT16_MAX and (cog != UINT16_MAX or vel == 0):
-            speed: float = vel * CENTI
-            course = radians(cog * CENTI)
-            v_ned = (speed * cos(course), speed * sin(course), 0.0)
-            samples.append(
-                VelocitySample(
-                    self.name,
-                    frame.system,
-                    frame.component,
-                    t_ns,
-                    frame.rx_ns,
-                    v_ned,
-                    False,
-                    VelocityOrigin.RECEIVER,
-                    receiver_sigma(vel_acc * MILLI, eph, satellites),
-                )
-            )
+            samples.append(self._velocity(frame, t_ns, vel, cog, receiver_sigma(vel_acc * MILLI, eph, satellites)))
+        place = (lat * 1e-7, lon * 1e-7, alt * 1e-3)
+        used = satellites if satellites != UINT8_MAX else None
+        dilution = eph * CENTI if eph != UINT16_MAX else None
         samples.append(
-            PositionSample(
-                self.name, frame.system, frame.component, t_ns, frame.rx_ns, lat * 1e-7, lon * 1e-7, alt * 1e-3
-            )
+            PositionSample(self.name, frame.system, frame.component, t_ns, frame.rx_ns, *place, used, dilution)
         )
         return samples
+
+    def _velocity(self, frame: Frame, t_ns: int, vel: int, cog: int, sigma: float | None) -> VelocitySample:
+        """The velocity of a speed in cm/s and a course in hundredths of a degree."""
+        speed: float = vel * CENTI
+        course = radians(cog * CENTI)
+        v_ned = (speed * cos(course), speed * sin(course), 0.0)
+        origin = VelocityOrigin.RECEIVER
+        return VelocitySample(self.name, frame.system, frame.component, t_ns, frame.rx_ns, v_ned, False, origin, sigma)
 
 
 def receiver_sigma(reported: float, eph: int, satellites: int) -> float | None:

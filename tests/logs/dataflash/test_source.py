@@ -21,6 +21,7 @@ from attest_mav.vehicle_reports import (
     HeartbeatSample,
     LandedSample,
     ParameterSample,
+    TextSample,
 )
 from attest_mav.vehicle_settings import Setting
 
@@ -138,6 +139,7 @@ def test_a_fix_in_motion(writer):
     assert (fix.vertical_known, fix.origin, fix.sigma) == (True, VelocityOrigin.RECEIVER, pytest.approx(0.25))
     (place,) = samples_of(writer.data, kind=PositionSample)
     assert (place.latitude_deg, place.longitude_deg, place.altitude_m) == pytest.approx((51.8731, 0.171, 50.0))
+    assert (place.satellites, place.dilution) == (12, pytest.approx(0.8))
 
 
 def test_a_receiver_without_a_vertical_velocity_does_not_measure_zero(writer):
@@ -245,10 +247,17 @@ def test_airspeed_and_the_estimators_errors(writer):
     writer.add("ARSP", TimeUS=2000, Airspeed=1.5, H=0)
     writer.add("ERR", TimeUS=3000, Subsys=16, ECode=2)
     writer.add("ERR", TimeUS=3000, Subsys=5, ECode=1)
+    writer.add("ERR", TimeUS=4000, Subsys=5, ECode=0)
+    writer.add("ERR", TimeUS=5000, Subsys=200, ECode=7)
     (air,) = samples_of(writer.data, kind=AirDataSample)
     assert (air.airspeed, air.airspeed_source, isnan(air.groundspeed)) == (21.5, AirspeedSource.SENSOR, True)
     (news,) = samples_of(writer.data, kind=EstimatorNewsSample)
     assert "variance" in news.text
+    assert [one.text for one in samples_of(writer.data, kind=TextSample) if one.source == "ERR"] == [
+        "Error: radio failsafe, code 1",
+        "Error resolved: radio failsafe",
+        "Error: subsystem 200, code 7",
+    ]
 
 
 def test_the_estimator_on_itself_is_that_of_the_core_that_flies(writer):

@@ -112,6 +112,7 @@ def test_a_fix_of_the_blended_receiver(writer):
     assert (fix.t_ns, fix.v_ned, fix.vertical_known, fix.sigma) == (2_000_000, (3.0, -4.0, 0.5), True, 0.25)
     (position,) = samples_of(writer.data, PositionSample)
     assert (position.latitude_deg, position.longitude_deg) == pytest.approx((47.3979, 8.5455))
+    assert (position.satellites, position.dilution) == (12, None)
     vehicle = UlogSource(writer.data).summary().vehicles[1, 1]
     assert (vehicle.date.unix_s, vehicle.velocity_lack) == (1.6e9, "")
 

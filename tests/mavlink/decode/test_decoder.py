@@ -90,8 +90,10 @@ def test_a_receiver_says_how_good_its_velocity_is(hear, vel_acc_mms, eph, satell
     message = pymav.MAVLink_gps_raw_int_message(
         1_000_000, 3, 0, 0, 0, eph, 100, 500, 0, satellites, vel_acc=vel_acc_mms
     )
-    velocity = hear(message)[0]
+    velocity, position = hear(message)
     assert velocity.sigma == (None if sigma is None else pytest.approx(sigma))
+    assert position.satellites == (None if satellites == 255 else satellites)
+    assert position.dilution == (None if eph == 65535 else pytest.approx(0.01 * eph))
 
 
 @pytest.mark.parametrize(("state", "on_ground"), [(0, None), (1, True), (2, False), (3, False), (4, False), (9, None)])
@@ -101,7 +103,7 @@ def test_the_landing_detector(hear, state, on_ground):
 
 
 def test_other_messages_give_nothing(hear):
-    assert hear(pymav.MAVLink_statustext_message(6, b"hello")) == []
+    assert hear(pymav.MAVLink_ping_message(0, 1, 0, 0)) == []
     assert hear.decoder.refusals == {}
 
 

@@ -5,7 +5,7 @@ from pymavlink.dialects.v20 import all as pymav
 
 from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.wire.framer import Framer
-from attest_mav.vehicle_reports import EstimatorSample, FirmwareSample
+from attest_mav.vehicle_reports import EstimatorSample, FirmwareSample, TextSample
 from attest_mav.vehicle_settings import Estimator
 
 
@@ -68,7 +68,13 @@ def test_the_words_when_the_estimator_changes(hear, text, estimator):
 
 
 @pytest.mark.parametrize(
-    "text", [b"", b"ArduCopter V", b"ChibiOS: V4.1.1", b"EKF3 IMU0 is using GPS", b"AHRS: DCM", b"\xff\xfe V4.1.1"]
+    "text", [b"ArduCopter V", b"ChibiOS: V4.1.1", b"EKF3 IMU0 is using GPS", b"AHRS: DCM", b"\xff\xfe V4.1.1"]
 )
-def test_other_words_give_nothing(hear, text):
-    assert hear(text_message(text)) == []
+def test_other_words_tell_no_version_and_no_estimator(hear, text):
+    (sample,) = hear(text_message(text))
+    assert isinstance(sample, TextSample)
+    assert sample.text == text.decode("ascii", "replace")
+
+
+def test_an_empty_text_gives_nothing(hear):
+    assert hear(text_message(b"")) == []
