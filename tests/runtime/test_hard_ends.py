@@ -37,7 +37,7 @@ def config(tmp_path):
 @contextmanager
 def running(config, stderr=subprocess.PIPE, **options):
     """A daemon, which is killed in the end."""
-    command = [sys.executable, "-m", "attest_mav", "run", "--config", str(config)]
+    command = [sys.executable, "-P", "-m", "attest_mav", "run", "--config", str(config)]
     with subprocess.Popen(command, stderr=stderr, text=True, **options) as process:
         try:
             yield process
