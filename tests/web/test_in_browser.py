@@ -62,7 +62,9 @@ HORIZONS = """
 def daemon():
     """A running daemon and the address of its page."""
     arguments = ["run", "--link", "sim:still", "--set", "web.listen=127.0.0.1:0"]
-    process = subprocess.Popen([sys.executable, "-P", "-m", "attest_mav", *arguments], stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [sys.executable, "-P", "-m", "attest_mav", *arguments], stderr=subprocess.PIPE, text=True
+    )
     address = next(match[1] for line in process.stderr if (match := re.search(r"live page is at (\S+)", line)))
     yield process, address
     process.terminate()
