@@ -75,7 +75,12 @@ class FieldEvidence:
         self._theirs: Vec3 = (0.0, 0.0, 0.0)
         self._for_us = False
         self._is_foreign = False
+        self._has_agreed = False
         self._t_ns = -1
+
+    def note_agreement(self) -> None:
+        """Tilt and heading of both are near, with or without a reading of the field."""
+        self._has_agreed = True
 
     def take(self, reading: FieldReading, turn: Quat, agree: bool) -> None:
         """Take the newest reading. turn: NED rotation from our attitude to the autopilot's; agree: they are near."""
@@ -111,8 +116,12 @@ class FieldEvidence:
 
     @property
     def tells_no_heading(self) -> bool:
-        """Whether the headings have never agreed, and the field cannot be the Earth's: ours may rest on iron."""
-        return self._watch.mean is None and self._is_foreign
+        """Whether the headings have never agreed, and nothing but the velocity, or iron, can have led to ours.
+
+        There has been no reading of the field, or one that cannot be the Earth's. From an unknown heading the velocity
+        can lead to a wrong one, off by up to half a turn, which a linear covariance does not show.
+        """
+        return not self._has_agreed and (self._t_ns < 0 or self._is_foreign)
 
     @property
     def _are_apart(self) -> bool:

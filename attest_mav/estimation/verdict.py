@@ -146,8 +146,10 @@ class Judge:
             source.offset.learn(carried.q_nb, sample, estimate.tilt_sigma)
         theirs = sample.q_nb if sample.frame_known else source.offset.undone(sample)
         differences = self._differences(carried, theirs, source.disagrees)
+        agree = differences[0].is_near and not (differences[0].is_off or self._doubts)
+        if agree and isfinite(differences[0].heading):
+            source.field.note_agreement()
         if self._field is not None:
-            agree = differences[0].is_near and not (differences[0].is_off or self._doubts)
             source.field.take(self._field, q_mul(theirs, q_conj(carried.q_nb)), agree)
         frozen = source.is_frozen(estimate.rates)
         all_off = frozen or all(one.is_off for one in differences)
@@ -170,8 +172,10 @@ class Judge:
         first = differences[0]
         off = offence or next((one.reason for one in differences if one.is_off), "")
         by_heading = offence != "" or not first.heading_is_near
-        unsupported = source.disagrees and off != "" and source.field.forbids(sample.t_ns, by_heading)
-        unsupported = unsupported or (off == "heading" and source.field.tells_no_heading)
+        by_velocity = estimate.sigma_is_proven and source.field.tells_no_heading
+        unproven = by_velocity and offence == "" and not first.heading_is_near
+        forbidden = unproven or source.field.forbids(sample.t_ns, by_heading)
+        unsupported = source.disagrees and off != "" and forbidden
         if self._doubts or unsupported:
             return _verdict(Agreement.UNDECIDED, "doubted", first, source, sample)
         if source.disagrees and (off != "" or source.is_accused):

@@ -102,8 +102,16 @@ def test_a_heading_that_never_agreed_counts_only_in_a_field_that_can_be_the_eart
     assert not evidence.tells_no_heading
 
 
+def test_without_a_reading_a_heading_counts_once_it_has_agreed():
+    evidence = FieldEvidence()
+    assert evidence.tells_no_heading
+    evidence.note_agreement()
+    assert not evidence.tells_no_heading
+
+
 def test_headings_that_agreed_once_are_compared_in_any_field():
     readings = Readings()
+    readings.evidence.note_agreement()
     foreign = FieldReading((0.5, 0.0, 0.0), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), 9 * S, radians(70.0))
     readings.evidence.take(foreign, turn((0.0, 0.0, 40.0)), agree=False)
     assert not readings.evidence.tells_no_heading

@@ -57,9 +57,15 @@ def last_said(theirs, seconds=5.0, judge=None, start_s=0.0, members=(), **ours):
     ],
 )
 def test_the_limits_go_by_what_our_own_attitude_can_do(roll_deg, yaw_deg, sigma_deg, proven, expected, reason):
-    theirs = q_from_euler(radians(roll_deg), 0.0, radians(yaw_deg))
-    said = last_said(theirs, tilt_deg=sigma_deg, heading_deg=sigma_deg, proven=proven)
+    theirs, judge = q_from_euler(radians(roll_deg), 0.0, radians(yaw_deg)), Judge(VerdictSettings())
+    last_said(LEVEL, judge=judge)  # without a compass a heading counts once both have agreed
+    said = last_said(theirs, judge=judge, start_s=5.0, tilt_deg=sigma_deg, heading_deg=sigma_deg, proven=proven)
     assert (said.agreement, said.reason) == (expected, reason)
+
+
+def test_without_a_compass_a_heading_that_never_agreed_is_not_held_against_the_autopilot():
+    said = last_said(q_from_euler(0.0, 0.0, radians(40.0)), tilt_deg=0.5, heading_deg=0.5, proven=True)
+    assert (said.agreement, said.reason) == (UNDECIDED, "doubted")
 
 
 @pytest.mark.parametrize(("roll_deg", "expected"), [(5.0, UNDECIDED), (7.0, DISAGREE)])
