@@ -137,7 +137,7 @@ class RequestMaker:
         try:
             filters, pipeline = configured(self.name, self._file, self._all_changes(point))
         except ConfigError as error:
-            raise UsageError(f"--param: {error}") from None
+            raise UsageError(f"--param: {str(error).removeprefix('--set: ')}") from None
         return Request(filters, window=self.base.window, pipeline=pipeline)
 
     def values(self, point: Point) -> dict[str, Any]:
