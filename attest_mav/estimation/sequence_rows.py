@@ -33,12 +33,47 @@ class ReadingRows:
         self.mag: Final = mag
 
 
-class SolutionRows:
+class Columns:
     """The columns that a filter leaves."""
 
+    def add(self, state: FilterState | None) -> None:
+        """Take the state after one reading more; None while there is none."""
+        raise NotImplementedError
+
+
+class StateColumns(Columns):
+    """Attitude, sigmas and gyro bias after each reading."""
+
     def __init__(self) -> None:
-        self.states: Final[list[float]] = []
+        self.values: Final[list[float]] = []
         """``STATE_WIDTH`` floats a reading."""
+
+    def add(self, state: FilterState | None) -> None:
+        """Append what the filter shows; the attitude is NaN while it is not aligned."""
+        column = self.values
+        if state is None or not state.aligned:
+            bias = (nan, nan, nan) if state is None else state.gyro_bias
+            column.extend((nan, nan, nan, nan, nan, nan, bias[0], bias[1], bias[2], 0.0))
+            return
+        q, bias = state.q_nb, state.gyro_bias
+        column.append(q[0])
+        column.append(q[1])
+        column.append(q[2])
+        column.append(q[3])
+        column.append(state.tilt_sigma)
+        column.append(state.heading_sigma)
+        column.append(bias[0])
+        column.append(bias[1])
+        column.append(bias[2])
+        column.append(1.0)
+
+
+class InnovationColumns(Columns):
+    """The records of the aids."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        """Readings so far."""
         self.readings: Final[list[int]] = []
         """Of each innovation, the number of the reading."""
         self.aids: Final[list[int]] = []
@@ -48,15 +83,27 @@ class SolutionRows:
         self.values: Final[list[float]] = []
         """Of each innovation, ``INNOVATION_WIDTH`` floats."""
 
+    def add(self, state: FilterState | None) -> None:
+        """Append the records of this step."""
+        if state is not None:
+            for one in state.innovations:
+                self._add_record(one)
+        self.count += 1
 
-def run_rows(
-    sequence: FilterSequence, readings: ReadingRows, fixes: list[VelocitySample], first: int = 0
-) -> SolutionRows:
-    """The filter over the readings. A fix is used from the first reading on that is not earlier.
+    def _add_record(self, one: Innovation) -> None:
+        """Append a record. Elements beyond the third are left out."""
+        self.readings.append(self.count)
+        self.aids.append(one.aid)
+        self.fusions.append(one.fusion)
+        _add_padded(self.values, one.residual)
+        _add_padded(self.values, one.variance)
 
-    fixes: in order of time. first: the number of the first reading, for the rows of innovations.
+
+def run_rows(sequence: FilterSequence, readings: ReadingRows, fixes: list[VelocitySample], columns: Columns) -> None:
+    """Let the filter take the readings. A fix is used from the first reading on that is not earlier.
+
+    fixes: in order of time. columns: take the filter's state after each reading.
     """
-    found = SolutionRows()
     mags = readings.mag
     next_fix = 0
     for k in range(len(readings.t_ns)):
@@ -65,42 +112,7 @@ def run_rows(
             sequence.give_velocity(fixes[next_fix])
             next_fix += 1
         mag = None if mags is None else _field(mags, k)
-        state = sequence.advance(t_ns, _vector(readings.gyro, k), _vector(readings.accel, k), mag)
-        if state is None:
-            found.states.extend((nan, nan, nan, nan, nan, nan, nan, nan, nan, 0.0))
-            continue
-        _add_state(found.states, state)
-        for one in state.innovations:
-            _add_innovation(found, first + k, one)
-    return found
-
-
-def _add_state(column: list[float], state: FilterState) -> None:
-    """Append what a filter shows; the attitude is NaN while it is not aligned."""
-    q, bias = state.q_nb, state.gyro_bias
-    aligned = state.aligned
-    if aligned:
-        column.append(q[0])
-        column.append(q[1])
-        column.append(q[2])
-        column.append(q[3])
-        column.append(state.tilt_sigma)
-        column.append(state.heading_sigma)
-    else:
-        column.extend((nan, nan, nan, nan, nan, nan))
-    column.append(bias[0])
-    column.append(bias[1])
-    column.append(bias[2])
-    column.append(1.0 if aligned else 0.0)
-
-
-def _add_innovation(found: SolutionRows, number: int, one: Innovation) -> None:
-    """Append a record. Elements beyond the third are left out."""
-    found.readings.append(number)
-    found.aids.append(one.aid)
-    found.fusions.append(one.fusion)
-    _add_padded(found.values, one.residual)
-    _add_padded(found.values, one.variance)
+        columns.add(sequence.advance(t_ns, _vector(readings.gyro, k), _vector(readings.accel, k), mag))
 
 
 def _add_padded(column: list[float], values: tuple[float, ...]) -> None:

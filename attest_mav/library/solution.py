@@ -1,6 +1,8 @@
 """The outcome of a filter over arrays."""
 
-from dataclasses import dataclass, fields
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -83,10 +85,16 @@ class Solution:
     """Shape (n, 3), rad/s, body; the gyro shows the rate and this."""
     aligned: Flags
     """Shape (n,), whether there is an attitude."""
-    innovations: Innovations
     north: North
     """The north that headings refer to at the end: true, magnetic, or none (the heading at the start is zero)."""
     frames: Frames
+    find_innovations: Callable[[], Innovations] = field(repr=False)
+    """Runs the filter over the readings once more, for ``innovations``."""
+
+    @cached_property
+    def innovations(self) -> Innovations:
+        """The measurements of the aids. The first who asks waits for a second run of the filter over the readings."""
+        return self.find_innovations()
 
     @property
     def euler(self) -> Array:

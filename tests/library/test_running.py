@@ -1,5 +1,6 @@
 """Filters over arrays."""
 
+import pickle
 import subprocess
 import sys
 from math import degrees, nan, radians
@@ -262,3 +263,11 @@ def test_every_exported_name_is_there_and_numpy_only_where_it_is_needed():
         attest_mav.nothing  # noqa: B018 - the access is what is tested
     program = "import sys; from attest_mav import LiveAttitude, VelocityAided; sys.exit('numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
+
+
+def test_a_solution_pickles_with_the_innovations_that_nobody_asked_for_yet():
+    t, _, gyro, accel, mag = wobbling(seconds=2.0)
+    solution = run(RobustAdaptive(), t, gyro, accel, mag)
+    copied = pickle.loads(pickle.dumps(solution))  # noqa: S301 - made here
+    assert np.array_equal(copied.innovations.residual, solution.innovations.residual, equal_nan=True)
+    assert len(copied.innovations.reading) > 0
