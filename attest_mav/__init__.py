@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from attest_mav.library.logs import read_log, replay_log
     from attest_mav.library.readings import Readings
     from attest_mav.library.running import run, run_readings
+    from attest_mav.library.smoothing import smooth_readings
     from attest_mav.library.solution import Innovations, Solution
     from attest_mav.library.tables import read_table, write_table
     from attest_mav.samples import ImuSample, VelocitySample
@@ -43,6 +44,7 @@ _MODULES: Final = {
     "library.logs": ("read_log", "replay_log"),
     "library.readings": ("Readings",),
     "library.running": ("run", "run_readings"),
+    "library.smoothing": ("smooth_readings",),
     "library.solution": ("Innovations", "Solution"),
     "library.tables": ("read_table", "write_table"),
     "samples": ("ImuSample", "VelocitySample"),
@@ -84,6 +86,7 @@ __all__ = [
     "replay_log",
     "run",
     "run_readings",
+    "smooth_readings",
     "write_table",
 ]
 

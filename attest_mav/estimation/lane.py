@@ -3,7 +3,7 @@
 from math import isfinite
 from typing import Final
 
-from attest_mav.algebra import is_finite, norm, q_norm
+from attest_mav.algebra import norm, q_norm
 from attest_mav.estimation.alignment import Aligner, ecompass
 from attest_mav.estimation.delay import RECORDED_DRIFT, DelayMeter
 from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind
@@ -14,7 +14,7 @@ from attest_mav.estimation.stepper import Stepper
 from attest_mav.estimation.timebase import StepKind, TimeBase, TimeStep
 from attest_mav.estimation.vehicle import Vehicle
 from attest_mav.filters.base import AttitudeFilter, FilterState, Start
-from attest_mav.plausible import is_force
+from attest_mav.plausible import is_force, is_rate
 from attest_mav.samples import ImuSample
 from attest_mav.types import North, Quat
 
@@ -28,7 +28,7 @@ class Lane:
     """Samples of one source in, estimates and events out. stepper: takes the filter's steps. drift: of ``DelayMeter``.
 
     Counters: samples (taken), repeats (same timestamp), late (out of order), strays (with a timestamp that nothing
-    confirmed), gaps, restarts, rejected (not finite), frozen (repeated by a frozen sensor).
+    confirmed), gaps, restarts, rejected (no rate of a vehicle), frozen (repeated by a frozen sensor).
     """
 
     def __init__(
@@ -106,7 +106,7 @@ class Lane:
     def handle(self, sample: ImuSample) -> list[Event]:
         """Take the next sample of this source."""
         events: list[Event] = []
-        if not is_finite(sample.gyro):
+        if not is_rate(sample.gyro):
             self.rejected += 1
             return events
         step = self._timebase.advance(sample.t_ns, sample.rx_ns, self._delay.least_ns)

@@ -12,7 +12,7 @@ from attest_mav.algebra import norm, rotate_back
 from attest_mav.estimation.alignment import ecompass
 from attest_mav.estimation.filter_run import FilterRun
 from attest_mav.filters.base import AttitudeFilter, BodyVelocity, FilterInputs, FilterState, Start
-from attest_mav.plausible import is_force
+from attest_mav.plausible import is_force, is_rate
 from attest_mav.samples import ImuSample, VelocitySample
 from attest_mav.types import EarthField, North, Vec3, VelocityOrigin
 
@@ -46,6 +46,7 @@ class FilterSequence:
         self._velocity: VelocitySample | None = None
         self._is_new = False
         self._t_ns = 0
+        self._is_missing = False
         self._unaided = _inputs(field, in_place)
 
     @property
@@ -70,8 +71,12 @@ class FilterSequence:
     def advance(self, t_ns: int, gyro: Vec3, accel: Vec3, mag: Vec3 | None) -> FilterState | None:
         """The state at this reading; None while no reading was usable.
 
-        t_ns: larger than at the reading before. Units and frames as in ``types``; not finite means missing.
+        t_ns: larger than at the reading before. Units and frames as in ``types``; not finite means missing. A reading
+        without a rate is passed over, and the next step is the longer.
         """
+        if not is_rate(gyro):
+            self._is_missing = True
+            return self._run.state
         sample = ImuSample(SOURCE, 1, 1, t_ns, t_ns, gyro, accel, mag)
         dt_s = 1e-9 * (t_ns - self._t_ns)
         run = self._run
@@ -81,6 +86,7 @@ class FilterSequence:
         else:
             run.state = run.filter.step(state, dt_s, sample, self._given(t_ns, state))
         self._t_ns = t_ns
+        self._is_missing = False
         return run.state
 
     def _align(self, sample: ImuSample) -> None:
@@ -95,7 +101,7 @@ class FilterSequence:
         """What is known besides the reading. The velocity is turned into the body for filters that level by it."""
         velocity = self._velocity
         if velocity is None or t_ns - velocity.t_ns > FRESH_NS:
-            return self._unaided
+            return _inputs(self._field, self._unaided.zero_mean_velocity, True) if self._is_missing else self._unaided
         forward, side, down = rotate_back(state.q_nb, velocity.v_ned)
         body = BodyVelocity(forward, side, down, True, self._is_new)
         self._is_new = False
@@ -105,9 +111,15 @@ class FilterSequence:
             inclination=self._field.inclination,
             velocity=velocity,
             zero_mean_velocity=False,
+            samples_missing=self._is_missing,
         )
 
 
-def _inputs(field: EarthField, in_place: bool) -> FilterInputs:
+def _inputs(field: EarthField, in_place: bool, missing: bool = False) -> FilterInputs:
     """The inputs without a velocity."""
-    return FilterInputs(declination=field.declination, inclination=field.inclination, zero_mean_velocity=in_place)
+    return FilterInputs(
+        declination=field.declination,
+        inclination=field.inclination,
+        zero_mean_velocity=in_place,
+        samples_missing=missing,
+    )

@@ -34,11 +34,10 @@ class ReadingRows:
 
 
 class Columns:
-    """The columns that a filter leaves."""
+    """What is kept of a filter's states: here nothing."""
 
     def add(self, state: FilterState | None) -> None:
         """Take the state after one reading more; None while there is none."""
-        raise NotImplementedError
 
 
 class StateColumns(Columns):

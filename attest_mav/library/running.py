@@ -54,8 +54,8 @@ def run(
 
 def run_readings(attitude_filter: AttitudeFilter, readings: Readings) -> Solution:
     """The attitude after each reading; see ``run``."""
-    sequence = _sequence(attitude_filter, readings)
-    parts = [_floats(found.values, STATE_WIDTH) for found in _stretches(sequence, readings, StateColumns)]
+    sequence = sequence_of(attitude_filter, readings)
+    parts = [_floats(found.values, STATE_WIDTH) for found in stretches(sequence, readings, StateColumns)]
     states = np.concatenate(parts)
     frames = readings.frames
     biases = states[:, 6:9] * np.array(frames.body_vector((1.0, 1.0, 1.0)))
@@ -75,17 +75,18 @@ def run_readings(attitude_filter: AttitudeFilter, readings: Readings) -> Solutio
 def _innovations_of(attitude_filter: AttitudeFilter, readings: Readings) -> Innovations:
     """The records of the aids, by a second run over the readings."""
     parts, first = [], 0
-    for found in _stretches(_sequence(attitude_filter, readings), readings, InnovationColumns):
+    for found in stretches(sequence_of(attitude_filter, readings), readings, InnovationColumns):
         parts.append(_innovations(found, first))
         first += found.count
     return joined(parts)
 
 
-def _sequence(attitude_filter: AttitudeFilter, readings: Readings) -> FilterSequence:
+def sequence_of(attitude_filter: AttitudeFilter, readings: Readings) -> FilterSequence:
+    """The filter before the first reading."""
     return FilterSequence(attitude_filter, readings.field, in_place=readings.velocity is None)
 
 
-def _stretches(sequence: FilterSequence, readings: Readings, make: Callable[[], _Found]) -> Iterator[_Found]:
+def stretches(sequence: FilterSequence, readings: Readings, make: Callable[[], _Found]) -> Iterator[_Found]:
     """Run over the readings a stretch at a time; the columns of each."""
     fixes = readings.fixes()
     taken = 0

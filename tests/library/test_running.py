@@ -271,3 +271,15 @@ def test_a_solution_pickles_with_the_innovations_that_nobody_asked_for_yet():
     copied = pickle.loads(pickle.dumps(solution))  # noqa: S301 - made here
     assert np.array_equal(copied.innovations.residual, solution.innovations.residual, equal_nan=True)
     assert len(copied.innovations.reading) > 0
+
+
+@pytest.mark.parametrize("one", FILTERS, ids=IDS)
+def test_the_turn_during_missing_readings_is_not_lost(one):
+    """Half a second without a gyro while the sensor turns at 0.5 rad/s about the vertical: 14 degrees."""
+    t = np.arange(0.0, 20.0, 0.02)
+    gyro = np.tile([0.0, 0.0, 0.5], (len(t), 1))
+    gyro[500:525] = nan
+    accel = np.tile([0.0, 0.0, -9.80665], (len(t), 1))
+    found = run(one, t, gyro, accel).euler[:, 2]
+    turned = degrees(found[530] - found[490]) % 360.0
+    assert turned == pytest.approx(degrees(0.5 * 40 * 0.02), abs=0.5)

@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from attest_mav.algebra import scale
+from attest_mav.errors import UnreadableDataError
 from attest_mav.estimation.alignment import ecompass
 from attest_mav.evaluation.broad.trial import Trial
 from attest_mav.evaluation.motion import Array, multiply
@@ -18,6 +19,8 @@ from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.samples import ImuSample
+from attest_mav.smoothing.readings import Recorder
+from attest_mav.smoothing.trajectory import smoothed_trajectory
 from attest_mav.types import Vec3
 
 START_S: Final = 0.1
@@ -62,6 +65,17 @@ def attitudes(chosen: AttitudeFilter, trial: Trial, with_mag: bool) -> Array:
         state = chosen.step(state, dt_s, sample, inputs)
         rows[number] = state.q_nb
     return to_enu(rows)
+
+
+def smoothed(trial: Trial, with_mag: bool) -> Array:
+    """Attitude at each sample by the smoother, sensor to ENU, shape (n, 4); the first row repeats the second."""
+    recorder = Recorder(SENSOR)
+    attitudes(recorder, trial, with_mag)
+    readings = recorder.readings()
+    if readings is None:
+        raise UnreadableDataError(f"{trial.name}: no attitude to begin with; expected readings of a sensor at rest")
+    q_nb = smoothed_trajectory(readings, SENSOR).q_nb
+    return to_enu(np.vstack((q_nb[:1], q_nb)))
 
 
 def start(trial: Trial, with_mag: bool) -> Start:
