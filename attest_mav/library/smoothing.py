@@ -26,7 +26,7 @@ def smooth_readings(readings: Readings, parameters: FlightParameters | None = No
     recorder = Recorder(chosen)
     for _ in stretches(sequence_of(recorder, readings), readings, Columns):
         pass
-    recorded = recorder.readings()
+    recorded = recorder.recording()
     if recorded is None:
         raise ArgumentError("the readings show no attitude to begin with; expected some seconds of plausible ones")
     trajectory = smoothed_trajectory(recorded, chosen)

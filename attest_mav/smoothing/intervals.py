@@ -23,7 +23,7 @@ from attest_mav.filters.velocity_aided.prediction import (
     SATURATED_RATE,
 )
 from attest_mav.filters.velocity_aided.reset import UNSEEN_RATE
-from attest_mav.smoothing.readings import Readings
+from attest_mav.smoothing.readings import Recording
 from attest_mav.smoothing.rotations import Array, cross_matrices, from_vector, matrices, multiply, turned, unit
 
 NODE_S: Final = 0.2
@@ -81,7 +81,7 @@ class Intervals:
     """For each reading the integral of the specific force since the node before it, m/s."""
 
 
-def nodes_of(readings: Readings) -> NDArray[np.int64]:
+def nodes_of(readings: Recording) -> NDArray[np.int64]:
     """The rows of the readings that are nodes: every so many of a stretch, and its last one."""
     usual_s = float(np.median(np.diff(readings.t_s))) if len(readings.t_s) > 1 else NODE_S
     every = max(1, round(NODE_S / max(usual_s, 1e-4)))
@@ -93,7 +93,7 @@ def nodes_of(readings: Readings) -> NDArray[np.int64]:
     return np.concatenate(parts).astype(np.int64)
 
 
-def steps_of(readings: Readings, parameters: FlightParameters) -> Steps:
+def steps_of(readings: Recording, parameters: FlightParameters) -> Steps:
     """The steps of all readings; that of the first reading has no length."""
     dt_s = np.diff(readings.t_s, prepend=readings.t_s[:1])
     gyro_change = np.diff(readings.gyro, axis=0, prepend=readings.gyro[:1])
@@ -122,7 +122,7 @@ def _before(values: Array) -> Array:
 
 
 def _aliasing(
-    readings: Readings, dt_s: Array, gyro_bend: Array, accel_bend: Array, parameters: FlightParameters
+    readings: Recording, dt_s: Array, gyro_bend: Array, accel_bend: Array, parameters: FlightParameters
 ) -> tuple[Array, Array]:
     """The largest second differences of late, of the gyro that its low-pass lets hide, and of the accelerometer."""
     square = (parameters.low_pass_hz * dt_s) ** 2
@@ -146,7 +146,7 @@ def held_largest(values: Array, t_s: Array, hold_s: float) -> Array:
 
 
 def integrate(
-    readings: Readings, steps: Steps, nodes: NDArray[np.int64], nominal: Nominal, parameters: FlightParameters
+    readings: Recording, steps: Steps, nodes: NDArray[np.int64], nominal: Nominal, parameters: FlightParameters
 ) -> Intervals:
     """The motion of all intervals."""
     return _Integration(readings, steps, nodes, nominal, parameters).result()
@@ -157,7 +157,7 @@ class _Integration:
 
     def __init__(
         self,
-        readings: Readings,
+        readings: Recording,
         steps: Steps,
         nodes: NDArray[np.int64],
         nominal: Nominal,

@@ -59,7 +59,7 @@ def smoothed_flight(flight: FlightToSmooth) -> SmoothedFlight | None:
 def trajectory_of(flight: FlightToSmooth) -> Trajectory | None:
     """The smoothed attitude at each inertial sample; None where no attitude can be found to begin with."""
     recorder = recorded(flight)
-    readings = recorder.readings()
+    readings = recorder.recording()
     return None if readings is None else smoothed_trajectory(readings, with_wide_priors(flight.parameters))
 
 

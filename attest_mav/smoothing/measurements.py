@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from attest_mav.smoothing.intervals import Intervals
-from attest_mav.smoothing.readings import Readings
+from attest_mav.smoothing.readings import Recording
 from attest_mav.smoothing.rotations import Array, cross_matrices, from_vector, matrices, multiply, turned
 
 
@@ -61,7 +61,7 @@ class FieldRows:
     """[rate]x."""
 
 
-def fix_rows(readings: Readings, intervals: Intervals, lags: Lags) -> FixRows:
+def fix_rows(readings: Recording, intervals: Intervals, lags: Lags) -> FixRows:
     """The fixes that lie within the intervals."""
     fixes = readings.fixes
     t_s = fixes.t_s - lags.fix_s
@@ -86,7 +86,7 @@ def fix_rows(readings: Readings, intervals: Intervals, lags: Lags) -> FixRows:
     )
 
 
-def _force_slope(readings: Readings, intervals: Intervals, row: NDArray[np.int64], bias: Array, force: Array) -> Array:
+def _force_slope(readings: Recording, intervals: Intervals, row: NDArray[np.int64], bias: Array, force: Array) -> Array:
     """Change of the specific force with time behind a reading, in the axes of ``force``, m/s^3."""
     step_s = readings.t_s[row + 1] - readings.t_s[row]
     rate = readings.gyro[row] * step_s[:, np.newaxis]
@@ -95,7 +95,7 @@ def _force_slope(readings: Readings, intervals: Intervals, row: NDArray[np.int64
     return out
 
 
-def field_rows(readings: Readings, intervals: Intervals, lags: Lags) -> FieldRows:
+def field_rows(readings: Recording, intervals: Intervals, lags: Lags) -> FieldRows:
     """The new readings of the magnetometer that lie within the intervals."""
     new = np.nonzero(np.isfinite(readings.field[:, 0]))[0]
     t_s = readings.t_s[new] - lags.field_s
@@ -109,7 +109,7 @@ def field_rows(readings: Readings, intervals: Intervals, lags: Lags) -> FieldRow
 
 
 def _places(
-    readings: Readings, intervals: Intervals, t_s: Array
+    readings: Recording, intervals: Intervals, t_s: Array
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
     """For each instant the node behind it, the reading before it, and whether it lies within an interval."""
     nodes = intervals.nodes

@@ -58,7 +58,7 @@ class Stretch:
 
 
 @dataclass(frozen=True)
-class Readings:
+class Recording:
     """A whole flight. Arrays have a row for each inertial sample."""
 
     t_ns: NDArray[np.int64]
@@ -200,7 +200,7 @@ class Recorder(AttitudeFilter):
             q_nb = q_mul(initial.q_nb, q_conj(alignment.rotation.q_start_body))
             self._stretches.append(Stretch(self._begin, self._alignment_row, q_nb))
 
-    def readings(self) -> Readings | None:
+    def recording(self) -> Recording | None:
         """Everything recorded; None without an alignment anywhere."""
         self._begin_stretch(len(self._t_ns))
         if not any(one.q_nb != (1.0, 0.0, 0.0, 0.0) for one in self._stretches):
@@ -208,7 +208,7 @@ class Recorder(AttitudeFilter):
         rows = np.array(self._rows).reshape(-1, 14)
         fixes = np.array(self._fixes).reshape(-1, 6)
         fixes = fixes[np.argsort(fixes[:, 0], kind="stable")]
-        return Readings(
+        return Recording(
             np.array(self._t_ns),
             rows[:, 0],
             rows[:, 1:4],

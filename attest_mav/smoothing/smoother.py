@@ -34,7 +34,7 @@ from attest_mav.smoothing.model import (
     first_covariance,
 )
 from attest_mav.smoothing.noise import CLASSES, NoiseClass
-from attest_mav.smoothing.readings import Readings
+from attest_mav.smoothing.readings import Recording
 from attest_mav.smoothing.rotations import Array, matrices
 from attest_mav.types import Quat
 
@@ -59,7 +59,7 @@ class Result:
 class Smoother:
     """The passes over one flight."""
 
-    def __init__(self, readings: Readings, parameters: FlightParameters) -> None:
+    def __init__(self, readings: Recording, parameters: FlightParameters) -> None:
         self._readings: Final = readings
         self._parameters: Final = parameters
         self._steps: Final[Steps] = steps_of(readings, self._parameters)

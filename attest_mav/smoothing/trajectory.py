@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from attest_mav.filters.velocity_aided.lags import LowPassDelay, low_pass_delay_by
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.smoothing.model import FIELD_LAG, B, S
-from attest_mav.smoothing.readings import Readings
+from attest_mav.smoothing.readings import Recording
 from attest_mav.smoothing.rotations import (
     Array,
     from_vector,
@@ -51,13 +51,13 @@ class Trajectory:
     """The class of measurement noise under which the flight is most likely."""
 
 
-def smoothed_trajectory(readings: Readings, parameters: FlightParameters) -> Trajectory:
+def smoothed_trajectory(readings: Recording, parameters: FlightParameters) -> Trajectory:
     """Smooth a flight. parameters: of the live filter, with the vehicle's settings in them."""
     result = Smoother(readings, parameters).result()
     return at_samples(readings, result, parameters)
 
 
-def at_samples(readings: Readings, result: Result, parameters: FlightParameters) -> Trajectory:
+def at_samples(readings: Recording, result: Result, parameters: FlightParameters) -> Trajectory:
     """The attitudes between the nodes, turned on by the low-pass's delay as those of the live filter are."""
     intervals, smoothed = result.intervals, result.smoothed
     node_s = readings.t_s[intervals.nodes]
@@ -96,14 +96,14 @@ def _low_passed(result: Result, before: NDArray[np.int64], share: Array) -> Arra
     return out
 
 
-def _low_pass_delay(result: Result, readings: Readings, parameters: FlightParameters) -> LowPassDelay:
+def _low_pass_delay(result: Result, readings: Recording, parameters: FlightParameters) -> LowPassDelay:
     """The group delay of the low-pass, by the lag of the magnetometer where its corner is only assumed."""
     usual_s = float(np.median(np.diff(readings.t_s)))
     last = result.smoothed
     return low_pass_delay_by(float(last.x[-1, FIELD_LAG]), float(last.spread[-1, FIELD_LAG]), usual_s, parameters)
 
 
-def _turned_on(readings: Readings, q_nb: Array, rates: Array, delay: LowPassDelay) -> tuple[Array, Array]:
+def _turned_on(readings: Recording, q_nb: Array, rates: Array, delay: LowPassDelay) -> tuple[Array, Array]:
     """The attitudes of now, and the rotation in NED along which an error of the delay acts times its sigma, rad."""
     step_s = np.diff(readings.t_s, prepend=readings.t_s[:1] - 1.0)
     acceleration = np.diff(readings.gyro, axis=0, prepend=readings.gyro[:1]) / step_s[:, np.newaxis]

@@ -34,7 +34,7 @@ def readings(samples):
     state = recorder.initial(Start((1.0, 0.0, 0.0, 0.0), zero, North.RELATIVE, zero, None))
     for sample in samples[:600]:
         state = recorder.step(state, 0.02, sample, FilterInputs(zero_mean_velocity=True))
-    return recorder.readings()
+    return recorder.recording()
 
 
 def live_after(samples, q_nb, first, count):

@@ -71,7 +71,7 @@ def smoothed(trial: Trial, with_mag: bool) -> Array:
     """Attitude at each sample by the smoother, sensor to ENU, shape (n, 4); the first row repeats the second."""
     recorder = Recorder(SENSOR)
     attitudes(recorder, trial, with_mag)
-    readings = recorder.readings()
+    readings = recorder.recording()
     if readings is None:
         raise UnreadableDataError(f"{trial.name}: no attitude to begin with; expected readings of a sensor at rest")
     q_nb = smoothed_trajectory(readings, SENSOR).q_nb
