@@ -39,7 +39,7 @@ def all_candidates() -> tuple[Candidate, ...]:
     return (
         Candidate("gradient-descent-paper", partial(_ours, ours.printed)),
         Candidate("gradient-descent", partial(_ours, ours.with_options), limits=_limits(2.2, 0.73)),
-        Candidate("velocity-aided", partial(_ours, _in_place), limits=_limits(1.79, 0.49)),
+        Candidate("velocity-aided", partial(_ours, _in_place), limits=_limits(1.795, 0.495)),
         Candidate("smoothed", ours.smoothed, limits=_limits(1.35, 0.45)),
         Candidate("vqf", peers.vqf, library="vqf"),
         Candidate("imufusion", peers.imufusion, library="imufusion"),
