@@ -3,8 +3,8 @@
 A record has no checksum. It counts as intact when the magic of the next one, or the end of the log, stands right behind
 it; where a type is described twice, or its length is not that of its columns, that decides between the two lengths.
 Bytes may be missing inside a record: then another one begins within its length, and the cut one is given up. Otherwise
-it is damage that stands behind it. A record between damage on both sides counts when its time goes on from the newest
-one, and a description (FMT) by its content.
+it is damage that stands behind it. A record between damage on both sides, or inside a cut one, counts when its time
+goes on from the newest one, and a description (FMT) by its content.
 
 Most records are plain: no magic stands inside them, and one stands right behind. The look inside costs as much as all
 else, so a second walk over the same bytes leaves it out as far as the first one has found no damage.
@@ -178,7 +178,7 @@ class RecordWalker:
             return former.length
         if self._is_cut(at, end):
             return 0
-        return length if not self._in_damage or kind == FORMAT_TYPE or self._is_in_time(at) else 0
+        return length if not self._in_damage or self._is_certain(at) else 0
 
     def _length(self, at: i64) -> i64:
         """Length of the record whose header stands here and that ends in the window, 0 if there is none."""
@@ -214,7 +214,7 @@ class RecordWalker:
         """
         inside = self._next_magic(at, end)
         while inside < end:
-            if self._chain_end(inside, end) == end and self._is_in_time(inside):
+            if self._chain_end(inside, end) == end and self._is_certain(inside):
                 return True
             inside = self._next_magic(inside + 1, end)
         return False
@@ -229,17 +229,19 @@ class RecordWalker:
         return at
 
     def _is_cut(self, at: i64, end: i64) -> bool:
-        """Whether another record begins inside this one, and a further one right behind that."""
+        """Whether another record begins inside this one: a further one stands behind it, or its content proves it."""
         inside = self._next_magic(at + 1, end)
         while inside < end:
             length = self._length(inside)
-            if length > 0 and self._is_followed(inside + length):
+            if length > 0 and (self._is_followed(inside + length) or self._is_certain(inside)):
                 return True
             inside = self._next_magic(inside + 1, end)
         return False
 
-    def _is_in_time(self, at: i64) -> bool:
-        """Whether the record has a time that goes on from the newest one."""
+    def _is_certain(self, at: i64) -> bool:
+        """Whether the content of the record shows that it is one: a description, or a time close to the newest one."""
+        if self._data[at + 2] == FORMAT_TYPE:
+            return True
         route = self._routes[self._data[at + 2]]
         if route is None or not route.record_format.is_readable:
             return False

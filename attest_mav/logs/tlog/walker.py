@@ -37,7 +37,7 @@ class TlogWalker(Walker):
     """The frames of a tlog, from windows of it; ``bare``: those of a stream without times."""
 
     def __init__(self, dialect: Dialect, wanted: frozenset[int] | None, bare: bool = False) -> None:
-        super().__init__(dialect, wanted, 0 if bare else STAMP_BYTES)
+        super().__init__(dialect, wanted, 0 if bare else STAMP_BYTES, looks_behind=True)
         self.bare: Final = bare
         self._boot_clock: Final = NewestBootTime(dialect) if bare else None
         self.bad_stamps: i64 = 0

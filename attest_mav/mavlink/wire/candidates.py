@@ -18,6 +18,8 @@ from attest_mav.mavlink.wire.running_checksum import MAX_LENGTH, RunningChecksum
 UNKNOWN_ID: Final = -2
 BAD_CRC: Final = -3
 
+MAX_UNKNOWN_RUN: Final = 3
+"""So many frames with unknown ids in a row can vouch for each other."""
 PATIENCE: Final = 3
 PATIENCE_BYTES: Final = 2048
 """A buffer is checked in so many passes, and by so many bytes besides, before the other way is taken. Intact frames
@@ -73,6 +75,28 @@ class Candidates:
             return INCOMPLETE
         checksum = at + header_at(data, at) + data[at + 1]
         return size if explaining_extra(self._mirror, at + 1, checksum) >= 0 else NO_FRAME
+
+    def proven_unknown(self, at: i64, lead: i64, final: bool) -> i64:
+        """Size of the frame with an unknown id at ``at``, by what follows; INCOMPLETE while undecided; else NO_FRAME.
+
+        lead: so many bytes precede each frame. final: nothing comes behind the buffer.
+        """
+        first: i64 = 0
+        run: i64 = 0
+        while run < MAX_UNKNOWN_RUN:
+            size = self.explained(at)
+            if size <= 0:
+                return size
+            if run == 0:
+                first = size
+            at += size + lead
+            behind = self.at(at)
+            if behind > 0 or (final and at - lead == self._end):
+                return first
+            if behind != UNKNOWN_ID:
+                return INCOMPLETE if behind == INCOMPLETE else NO_FRAME
+            run += 1
+        return NO_FRAME
 
     def _crc(self, start: i64, stop: i64, extra: i64) -> i64:
         """Checksum of the bytes start to stop, by the way that suits the number of candidates."""

@@ -24,7 +24,7 @@ class Framer(Walker):
     """
 
     def __init__(self, dialect: Dialect, wanted: frozenset[int] | None, accepts: AcceptanceCheck | None = None) -> None:
-        super().__init__(dialect, wanted, 0, accepts)
+        super().__init__(dialect, wanted, 0, looks_behind=False, accepts=accepts)
         self._pending = b""
         self._rx_ns: i64 = 0
 

@@ -10,6 +10,10 @@ Theory of operation
     every magic byte is a candidate. In a search one checksum in 65536 fits by chance; so a frame found there is
     doubted when no frame stands where the next one should, while another intact one begins inside it.
 
+    A frame that lacks its last byte is whole again when the magic of the next one equals that byte, and no checksum
+    tells whose byte it is. Two frames that share one byte are therefore both taken, and in a recording also those that
+    share more, if the first one stood where it was expected. A link does not wait for the bytes that would show it.
+
     Ids that are not in the dialect have no known CRC extra. Such a frame is passed over as a whole (and counted in
     ``unknown``) only when its neighbours prove its bounds: it stands where a frame is expected, some CRC extra explains
     its checksum (one random candidate in 256 has one), and behind it comes an intact frame or the end of the data,
@@ -38,14 +42,15 @@ from attest_mav.mavlink.wire.frame import (
 )
 from attest_mav.mavlink.wire.sequence import Sequences
 
-MAX_UNKNOWN_RUN: Final = 3
-"""So many frames with unknown ids in a row can vouch for each other."""
 AcceptanceCheck = Callable[[bytes], bool]
 """Whether an intact frame, given from its magic to the end of its signature, may be used."""
 
 
 class Walker:
-    """Walks from frame to frame; the base of Framer and Recording. ``lead`` bytes precede each frame: 8 in a recording.
+    """Walks from frame to frame; the base of Framer and TlogWalker.
+
+    lead: so many bytes precede each frame, 8 in a tlog. looks_behind: the bytes behind a frame are there, as in a
+    recording, so that they can be looked at before it is taken.
 
     Counters over everything walked: frames (intact, wanted or not), bad_bytes (in no frame), bad_crc (candidates with
     a known id whose checksum does not fit), unknown (frames with unknown ids passed over), lost (frames missing by
@@ -53,7 +58,12 @@ class Walker:
     """
 
     def __init__(
-        self, dialect: Dialect, wanted: frozenset[int] | None, lead: int, accepts: AcceptanceCheck | None = None
+        self,
+        dialect: Dialect,
+        wanted: frozenset[int] | None,
+        lead: int,
+        looks_behind: bool,
+        accepts: AcceptanceCheck | None = None,
     ) -> None:
         self.dialect: Final = dialect
         self.wanted: Final = wanted
@@ -64,6 +74,7 @@ class Walker:
         self.refused: i64 = 0
         self._accepts: Final = accepts
         self._lead: i64 = lead
+        self._looks_behind: Final = looks_behind
         self._candidates: Final = Candidates(dialect)
         self._is_wanted: Final = dialect.flags(wanted)
         self._sequences: Final = Sequences()
@@ -75,6 +86,11 @@ class Walker:
         self._done: i64 = 0  # everything before is accounted for
         self._place: i64 = lead  # where a frame is expected, or looked for
         self._searching = False
+        self._behind_at: i64 = -1
+        self._behind: i64 = 0
+        """What stands at ``_behind_at``, see ``Candidates.at``."""
+        self._shared_at: i64 = -1
+        """Where a frame begins that shares bytes with the one at the present place; -1 for none."""
 
     @property
     def lost(self) -> int:
@@ -91,15 +107,18 @@ class Walker:
         self._end = len(data)
         self._final = final
         self._out = []
+        self._behind_at = -1
         while self._place < stop:
-            size = self._candidates.at(self._place)
-            if size > 0 and self._searching:
+            size = self._behind if self._place == self._behind_at else self._candidates.at(self._place)
+            if size > 0 and (self._searching or self._looks_behind):
                 size = self._weighed(size)
             if size > 0:
                 self._take(size)
+                if self._shared_at >= 0:
+                    self._take_shared()
                 continue
             if size == UNKNOWN_ID and not self._searching:
-                size = self._proven_unknown()
+                size = self._candidates.proven_unknown(self._place, self._lead, final)
                 if size > 0:
                     self.unknown += 1
                     self._pass(size)
@@ -115,45 +134,40 @@ class Walker:
         return out
 
     def _weighed(self, size: i64) -> i64:
-        """The size of the frame just found in a search; NO_FRAME where it rather is a coincidence: see the theory.
+        """The size of the frame just found; NO_FRAME where it rather is a coincidence: see the theory.
 
         INCOMPLETE while bytes that decide are missing: how the bytes are cut must not change the frames.
         """
         end = self._place + size
-        behind = self._candidates.at(end + self._lead)
-        if behind > 0:
-            return size
-        waits = behind == INCOMPLETE and not self._final
+        behind = self._behind = self._candidates.at(end + self._lead)
+        self._behind_at = end + self._lead
+        if behind == UNKNOWN_ID:
+            behind = self._candidates.explained(self._behind_at)
+        return size if behind > 0 else self._unfollowed(size, behind == INCOMPLETE and not self._final)
+
+    def _unfollowed(self, size: i64, waits: bool) -> i64:
+        """The same for a frame that no other one follows. waits: one may still follow."""
+        end = self._place + size
         found = size
         inside = self._place + 1
         while inside < end:
             other = self._candidates.at(inside)
+            if other > 0 and waits:
+                return INCOMPLETE
             if other > 0:
-                return INCOMPLETE if waits else NO_FRAME
+                if self._searching and inside < end - 1:
+                    return NO_FRAME
+                self._shared_at = inside
+                return size
             if other == INCOMPLETE and not self._final:
                 found = INCOMPLETE
             inside += 1
         return found
 
-    def _proven_unknown(self) -> i64:
-        """Size of the frame with an unknown id at the expected place; INCOMPLETE while undecided; else NO_FRAME."""
-        at = self._place
-        first: i64 = 0
-        run: i64 = 0
-        while run < MAX_UNKNOWN_RUN:
-            size = self._candidates.explained(at)
-            if size <= 0:
-                return size
-            if run == 0:
-                first = size
-            at += size + self._lead
-            behind = self._candidates.at(at)
-            if behind > 0 or (self._final and at - self._lead == self._end):
-                return first
-            if behind != UNKNOWN_ID:
-                return INCOMPLETE if behind == INCOMPLETE else NO_FRAME
-            run += 1
-        return NO_FRAME
+    def _take_shared(self) -> None:
+        """Take the frame that begins inside the one before the present place."""
+        self._place, self._shared_at = self._shared_at, -1
+        self._take(self._candidates.at(self._place))
 
     def _take(self, size: i64) -> None:
         """The frame at the present place is intact: count it, append it if it is wanted, go behind it."""

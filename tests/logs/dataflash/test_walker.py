@@ -97,6 +97,26 @@ def test_a_record_alone_between_damage_is_found_by_its_time(log):
     assert (walker.damage.total, walker.damage.places) == (80, 2)
 
 
+@pytest.mark.parametrize("lost", range(1, 13))
+def test_a_record_between_a_cut_one_and_damage_is_found(log, lost):
+    at, end = place(log, 50), place(log, 52)
+    data = log.data[: at + 3] + log.data[at + 3 + lost : end] + b"##" + log.data[end:]
+    walker, times = walked(data)
+    assert times == all_but(50)
+    assert walker.damage.first == [(at, 15 - lost), (end - lost, 2)]
+
+
+def test_a_description_between_a_cut_record_and_damage_is_found(log):
+    at, end = place(log, 50), place(log, 51)
+    other = type(log)()
+    other.types = {"PARM": 10}
+    other.raw_format(11, "RATE", *other.formats["RATE"])
+    moved = bytes(log.data[end:]).replace(log.data[at : at + 3], b"\xa3\x95\x0b")
+    walker, times = walked(log.data[: end - 2] + other.data + b"##" + moved)
+    assert times == all_but(50)
+    assert walker.damage.total == 13 + 2
+
+
 def test_a_record_alone_of_another_time_is_none(log):
     foreign = type(log)()
     foreign.types = dict(log.types)
