@@ -49,6 +49,8 @@ def command(log: str, link_url: str, speed: float) -> None:
     if url.scheme is Scheme.SIM:
         raise UsageError(f"--to {link_url}: a log needs a real link, for example {DEFAULT_LINK}")
     with open_log(log) as data:
+        for note in data.notes:
+            click.echo(f"attest-mav play: {click.format_filename(log)}: {note}", err=True)
         if require_format(data[:HEAD_BYTES], log) != "tlog":
             raise UnreadableDataError(f"{log}: it has no MAVLink frames with times; expected a tlog")
         try:

@@ -150,6 +150,15 @@ class LogBytes(Protocol):
         """One piece of them."""
 
 
+@runtime_checkable
+class NotedBytes(LogBytes, Protocol):
+    """Bytes with remarks on where they come from, such as a damaged archive."""
+
+    @property
+    def notes(self) -> Sequence[str]:
+        """The remarks, for people."""
+
+
 class SampleBatch:
     """The samples of one stretch of a log, in order of time."""
 

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from attest_mav.errors import AttestMavError, UnreadableDataError, UnwritableError
 from attest_mav.logs.formats import open_source
-from attest_mav.logs.source import LogBytes
+from attest_mav.logs.source import LogBytes, NotedBytes
 from attest_mav.replay.engine import replay
 from attest_mav.replay.report import as_json
 from attest_mav.replay.request import Outputs, Request
@@ -33,11 +33,13 @@ class Outcome:
 def replay_file(path: str, request: Request, open_log: OpenLog, outputs: Outputs | None = None) -> Report:
     """The report on one log. Every error names the log."""
     with open_log(path) as data:
+        notes = list(data.notes) if isinstance(data, NotedBytes) else []
         source = open_source(data, path)
         try:
-            return as_json(path, replay(source, request, outputs or Outputs()))
+            report = as_json(path, replay(source, request, outputs or Outputs()))
         except UnreadableDataError as error:
-            raise UnreadableDataError(f"{path}: {error}") from None
+            raise UnreadableDataError("; ".join([f"{path}: {error}", *notes])) from None
+    return {**report, "notes": [*notes, *report["notes"]]}
 
 
 def replay_files(paths: Iterable[str], replay_one: Callable[[str], Report]) -> Iterator[Outcome]:

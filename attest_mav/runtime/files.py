@@ -5,7 +5,7 @@ import os
 import stat
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from io import BufferedWriter, FileIO
 from pathlib import Path
@@ -29,7 +29,9 @@ DISK_FAULTS = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, e
 class OpenedLog:
     """The bytes of an open file, read in pieces. A mapped file that shrinks would end the process by a signal."""
 
-    def __init__(self, descriptor: int, size: int) -> None:
+    def __init__(self, descriptor: int, size: int, notes: Sequence[str] = ()) -> None:
+        self.notes = tuple(notes)
+        """Remarks on the archive that it comes from."""
         self._descriptor = descriptor
         self._size = size
 
@@ -69,11 +71,11 @@ def open_log(path: str | Path, folder: str = "") -> Iterator[OpenedLog]:
             raise UnreadableDataError(f"{path} is not a regular file; expected a log")
         if status.st_size == 0:
             raise UnreadableDataError(f"{path} is empty; expected a log")
-        with unpacked(file, path) as log:
-            size = os.fstat(log.fileno()).st_size
+        with unpacked(file, path) as found:
+            size = os.fstat(found.log.fileno()).st_size
             if size == 0:
                 raise UnreadableDataError(f"{path} holds an empty file; expected a log")
-            yield OpenedLog(log.fileno(), size)
+            yield OpenedLog(found.log.fileno(), size, found.notes)
 
 
 def open_without_waiting(path: str, flags: int) -> int:

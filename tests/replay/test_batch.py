@@ -1,7 +1,9 @@
 """One log as a unit of work that another process can do, and many logs of which some fail."""
 
+import gzip
 import multiprocessing
 import pickle
+import zlib
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 
@@ -43,6 +45,25 @@ def test_every_error_names_the_log(tmp_path):
     path = tmp_path / "noise.tlog"
     path.write_bytes(b"not a log at all\n" * 50)
     with pytest.raises(UnreadableDataError, match=rf"^{path}: this is no log that is known here"):
+        replay_file(str(path), BRIEF, open_log)
+
+
+def test_a_log_in_a_damaged_archive_is_replayed_to_the_damage(cuts, tmp_path):
+    log = (cuts / "copter_square_laps.tlog").read_bytes()
+    packed = gzip.compress(log)
+    part, path = tmp_path / "part.tlog", tmp_path / "cut.tlog.gz"
+    path.write_bytes(packed[: len(packed) * 2 // 3])
+    part.write_bytes(zlib.decompressobj(31).decompress(packed[: len(packed) * 2 // 3]))
+    report, expected = (replay_file(str(one), BRIEF, open_log) for one in (path, part))
+    assert report["notes"] == ["the gzip archive is damaged: it is cut short", *expected["notes"]]
+    assert {**report, "notes": [], "log": ""} == {**expected, "notes": [], "log": ""}
+    assert report["frames"] > 0
+
+
+def test_an_error_on_a_log_tells_the_damage_of_its_archive(tmp_path):
+    path = tmp_path / "noise.gz"
+    path.write_bytes(gzip.compress(b"not a log at all\n" * 50)[:-2])
+    with pytest.raises(UnreadableDataError, match=r"no MAVLink message; .*; the gzip archive is damaged: it is cut"):
         replay_file(str(path), BRIEF, open_log)
 
 

@@ -52,6 +52,10 @@ class RecordWalker:
         self._position = 0
         self._final = False
         self._in_damage = False
+        self._doubted_ns = 0
+        """Time after the newest record with damage behind it, which may have damaged the time too."""
+        self._sure_ns = 0
+        """Time before that record."""
         self._intact_to: Final = intact_to
         self._known_to: i64 = 0
         """The same, counted from the begin of the window."""
@@ -82,7 +86,10 @@ class RecordWalker:
                 continue
             self._in_damage = False
             self.records += 1
-            self._take(at, samples)
+            if self._is_followed(at + length):
+                self._take(at, samples)
+            else:
+                self._take_doubted(at, samples)
             at += length
         self._position += at
         return samples
@@ -144,6 +151,14 @@ class RecordWalker:
         route = self._routes[kind]
         if route is not None:
             route.take(self._data, at, samples)
+
+    def _take_doubted(self, at: i64, samples: list[Sample]) -> None:
+        """The same for a record with damage behind it."""
+        clock = self._router.clock
+        if clock.now_ns != self._doubted_ns:
+            self._sure_ns = clock.now_ns
+        self._take(at, samples)
+        self._doubted_ns = clock.now_ns
 
     def _describe(self, at: i64) -> None:
         """Take the description at this place, unless it is known."""
@@ -250,7 +265,8 @@ class RecordWalker:
         if reader is None:
             return False
         t_ns: float = reader.unpack_from(self._data, at + route.record_format.offsets[column])[0] * unit_ns
-        return isfinite(t_ns) and abs(t_ns - self._router.clock.now_ns) <= LONGEST_GAP_NS
+        away_ns = min(abs(t_ns - self._router.clock.now_ns), abs(t_ns - self._sure_ns))
+        return isfinite(t_ns) and away_ns <= LONGEST_GAP_NS
 
     def _next_magic(self, at: i64, stop: i64) -> i64:
         """The next place before ``stop`` where a record may begin; ``stop`` if there is none."""

@@ -117,6 +117,14 @@ def test_a_description_between_a_cut_record_and_damage_is_found(log):
     assert walker.damage.total == 13 + 2
 
 
+def test_the_time_of_a_damaged_record_does_not_count_against_the_next(log):
+    at, begin, end = place(log, 50), place(log, 51), place(log, 52)
+    data = log.data[: at + 7] + b"?!" + log.data[at + 7 : end] + b"##" + log.data[end:]
+    walker, times = walked(data)
+    assert [one for one in times if one < 1e9] == all_but(50)
+    assert begin + 2 not in [place for place, _ in walker.damage.first]
+
+
 def test_a_record_alone_of_another_time_is_none(log):
     foreign = type(log)()
     foreign.types = dict(log.types)
