@@ -121,7 +121,8 @@ def ulog(rng: Random) -> bytes:
 
 
 def _text_message(rng: Random) -> bytes:
-    return _message("L", b"6" + rng.randbytes(8) + b"[commander] Takeoff detected")
+    t_us = rng.randrange(1 << 40)
+    return _message("L", b"6" + t_us.to_bytes(8, "little") + b"[commander] Takeoff detected")
 
 
 def _message(kind: str, body: bytes) -> bytes:

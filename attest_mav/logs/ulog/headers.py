@@ -5,13 +5,13 @@ value, some types have one length, and all others hold text.
 """
 
 import re
-from struct import calcsize
+from struct import Struct, calcsize
 from typing import Final
 
 from mypy_extensions import i64
 
 from attest_mav.logs.ulog.layout import KINDS
-from attest_mav.logs.ulog.topics import Topics
+from attest_mav.logs.ulog.topics import LATEST_US, Topics
 
 FILE_HEADER_BYTES: Final = 16
 FILE_MAGIC: Final = b"ULog\x01\x12\x35"
@@ -31,6 +31,7 @@ _KEY: Final = re.compile(rb"([A-Za-z0-9_]+)(?:\[(\d{1,5})\])? ([A-Za-z0-9_.\[\]/
 _TOPIC: Final = re.compile(rb"[A-Za-z0-9_/-]+\Z")
 _FORMAT: Final = re.compile(rb"[A-Za-z0-9_/-]+:[A-Za-z0-9_\[\] ;./-]*\Z")
 _NO_TEXT: Final = re.compile(rb"[\x00-\x08\x0e-\x1a\x1c-\x1f]")
+_TIME: Final = Struct("<Q")
 _SIZES: Final = {kind.encode(): 1 if letter == "s" else calcsize(f"<{letter}") for kind, letter in KINDS.items()}
 
 
@@ -50,6 +51,12 @@ class Headers:
     def is_file(self, at: i64) -> bool:
         """Whether a file begins here."""
         return self._data[at] == 0x55 and self._data.startswith(FILE_MAGIC, at)
+
+    def is_usual_data(self, at: i64, end: i64) -> bool:
+        """Whether the message from ``at`` to ``end`` holds data, as many as others of its topic."""
+        data = self._data
+        begin = at + HEADER_BYTES
+        return data[at + 2] == 0x44 and self._topics.is_usual(data[begin] + 256 * data[begin + 1], end - begin - 2)
 
     def end(self, at: i64) -> i64:
         """End of the message or file header that begins here; 0 if none does, UNDECIDED if bytes are missing."""
@@ -99,11 +106,22 @@ def _is_content(kind: i64, body: bytes) -> bool:
         return _is_keyed(body, key_at)
     text_at = TEXT_AT.get(kind)
     if text_at is not None:
-        return len(body) >= text_at and body[0] in LEVELS and _NO_TEXT.search(body, text_at) is None
+        return len(body) >= text_at and body[0] in LEVELS and _is_text(body, text_at)
     if kind == ord("F"):
         return _FORMAT.match(body) is not None
     if kind == ord("A"):
         return _TOPIC.match(body, 3) is not None
+    return True
+
+
+def _is_text(body: bytes, at: i64) -> bool:
+    """Whether a text stands here, and a time before it."""
+    if _TIME.unpack_from(body, at - _TIME.size)[0] >= LATEST_US or _NO_TEXT.search(body, at) is not None:
+        return False
+    try:
+        body[at:].decode()
+    except UnicodeDecodeError:
+        return False
     return True
 
 

@@ -31,6 +31,8 @@ class Subscription:
         self.selection: Final = None if reader is None else Selection(layout, reader.names)
         self.count = 0
         """Messages so far."""
+        self.size = 0
+        """Bytes of the newest one, its id aside: a recorder leaves out the same padding each time."""
 
 
 class Topics:
@@ -78,10 +80,16 @@ class Topics:
         self._subscriptions[number], self._former[number] = former, subscription
         return True
 
+    def is_usual(self, number: int, size: int) -> bool:
+        """Whether the messages with this id had so many bytes of data so far, or there were none."""
+        subscription = self._subscriptions.get(number)
+        return subscription is not None and subscription.size in {0, size}
+
     def data(self, data: bytes, begin: int, end: int) -> list[Sample]:
         """The samples of the data message whose body stands there."""
         subscription = self._subscriptions[data[begin] + 256 * data[begin + 1]]
         subscription.count += 1
+        subscription.size = end - begin - ID_BYTES
         reader, selection = subscription.reader, subscription.selection
         if reader is None or selection is None or begin + ID_BYTES + max(selection.size, TIME_BYTES) > end:
             return []

@@ -127,10 +127,14 @@ class UlogWalker:
         return False
 
     def _hides_message(self, at: i64, end: i64) -> bool:
-        """Whether data, or another message that a further one follows, begin inside this one: then it lost bytes."""
+        """Whether data of the usual size, or a message that a further one follows, begin inside this one.
+
+        Then this one has lost bytes.
+        """
+        headers = self._headers
         for inside in range(at + 1, end):
-            following = self._headers.end(inside)
-            if following > 0 and (self._data[inside + 2] == ord("D") or self._headers.end(following) > 0):
+            following = headers.end(inside)
+            if following > 0 and (headers.is_usual_data(inside, following) or headers.end(following) > 0):
                 return True
         return False
 

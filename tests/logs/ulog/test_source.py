@@ -216,6 +216,24 @@ def test_bytes_lost_inside_a_message_cost_that_one(log, lost):
     assert UlogSource(data).summary().bad_bytes == end - at - lost
 
 
+@pytest.mark.parametrize("text", [b"\xad\x40\x31\x08\xec\xbe\x2d\xb2ready", bytes(8) + b"!A\xc0\x87\xc0$"])
+def test_a_last_byte_that_seems_to_begin_a_text_belongs_to_its_message(log, text):
+    """The text would end where the next message begins, but has no time, or is none."""
+    at = log.starts[121]
+    data = log.data[: at - 1] + bytes((1 + len(text), 0)) + b"L7" + text + log.data[at:]
+    assert times_of(data) == ALL
+    assert UlogSource(data).summary().bad_bytes == 3 + len(text)
+
+
+def test_a_last_byte_that_seems_to_begin_data_belongs_to_its_message(log):
+    """The next message lacks its first byte, and this last byte tells a length that its padding allows."""
+    at, end = log.starts[121], log.starts[122]
+    assert log.data[at] == 47
+    data = log.data[: at - 1] + bytes((44,)) + log.data[at + 1 :]
+    assert times_of(data) == [t for t in ALL if t != 1000 + 4 * 118]
+    assert UlogSource(data).summary().bad_bytes == end - at - 1
+
+
 def test_a_log_that_is_cut_short_is_read_to_its_last_message(log):
     data = log.data[:-7]
     assert times_of(data) == ALL[:-1]
