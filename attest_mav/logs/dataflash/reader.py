@@ -15,7 +15,7 @@ COMPONENT: Final = 1
 
 @mypyc_attr(allow_interpreted_subclasses=True)
 class RecordReader:
-    """Makes samples of one kind of record. columns, texts: what it wants of it; by default no more than its time."""
+    """Makes samples of one kind of record. columns, texts: what it wants of it, besides its time."""
 
     def __init__(self, columns: Sequence[Column] = (), texts: Sequence[str] = ()) -> None:
         self.columns: Final = tuple(columns)
@@ -24,3 +24,7 @@ class RecordReader:
     def read(self, t_ns: int, numbers: list[float], texts: list[str]) -> list[Sample]:
         """The samples of a record. numbers: those of ``columns`` from 1 on; NaN and "" for what the record lacks."""
         return []
+
+
+class TimeReader(RecordReader):
+    """Makes no samples: only the time of its records is followed."""

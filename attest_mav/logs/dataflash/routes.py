@@ -5,7 +5,7 @@ from typing import Final
 
 from mypy_extensions import i64
 
-from attest_mav.logs.dataflash.reader import RecordReader
+from attest_mav.logs.dataflash.reader import RecordReader, TimeReader
 from attest_mav.logs.dataflash.record_clock import RecordClock
 from attest_mav.logs.dataflash.record_format import RecordFormat
 from attest_mav.logs.dataflash.selection import Selection, time_column
@@ -15,6 +15,8 @@ from attest_mav.samples import Sample
 
 PACER: Final = "IMU"
 """The stream whose records, where they have no time, pace the clock."""
+NO_SAMPLES: Final[list[Sample]] = []
+NO_TEXTS: Final[list[str]] = []
 MOST_ROUTES: Final = 4096
 """A log with more descriptions is damaged or made to be one: the others are not believed."""
 
@@ -28,13 +30,17 @@ class Binding:
         self._clock: Final = clock
         self._paces: Final = paces
         self._has_texts: Final = bool(reader.texts)
+        self._is_timed_alone: Final = isinstance(reader, TimeReader)
 
     def take(self, data: bytes, at: int) -> list[Sample]:
         """The samples of the record at this place."""
         if self._paces:
             self._clock.tick()
+        if self._is_timed_alone:
+            self._clock.at(self._selection.time_ns(data, at))
+            return NO_SAMPLES
         numbers = self._selection.numbers(data, at)
-        texts = self._selection.texts(data, at) if self._has_texts else []
+        texts = self._selection.texts(data, at) if self._has_texts else NO_TEXTS
         return self._reader.read(self._clock.at(numbers[0]), numbers, texts)
 
     def take_line(self, fields: Sequence[str]) -> list[Sample]:
@@ -61,6 +67,8 @@ class Route:
         """Records of a type without a number that were taken from bytes: a plain number counts quickest."""
         self.other = 0
         """Records with a number that no stream has."""
+        self.is_wanted: Final = any(one is not None for one in bindings)
+        """Whether some of the records are read."""
         self.number_column: Final = number_at
         """The column with the number of the stream, -1 where there is one stream."""
         self.number_at: i64 = record_format.offsets[number_at] if number_at >= 0 else -1
@@ -93,11 +101,15 @@ class Router:
     """Makes the routes of the types that a log describes.
 
     readers: by the names of the streams that are wanted. pace_ns: interval of inertial records without a time, ns.
+    counts_all: whether the records of all other streams shall be counted too.
     """
 
-    def __init__(self, readers: Mapping[str, RecordReader], units: UnitTable, pace_ns: float = 0.0) -> None:
+    def __init__(
+        self, readers: Mapping[str, RecordReader], units: UnitTable, pace_ns: float = 0.0, counts_all: bool = True
+    ) -> None:
         self.clock: Final = RecordClock(pace_ns)
         self.units: Final = units
+        self.counts_all: Final = counts_all
         self._readers: Final = dict(readers)
         self._routes: Final[dict[tuple[int, int, str, str, tuple[str, ...]], Route]] = {}
 

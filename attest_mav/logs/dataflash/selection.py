@@ -10,6 +10,8 @@ from attest_mav.logs.dataflash.units import Column, UnitTable
 
 MICRO_NS: Final = 1e3
 MILLI_NS: Final = 1e6
+FLOATS: Final = "fdg"
+"""Letters of columns that hold floating-point numbers."""
 
 
 def time_column(record_format: RecordFormat) -> tuple[int, float]:
@@ -45,14 +47,29 @@ class Selection:
         ]
         wanted = sorted({at for at in [*self._places, *self._texts] if at >= 0})
         self._unpack: Final = _struct(record_format, wanted).unpack_from
+        self._unpack_time: Final = _struct(record_format, [at for at in self._places[:1] if at >= 0]).unpack_from
         self._numbers_at: Final = [wanted.index(at) if at >= 0 else -1 for at in self._places]
         self._texts_at: Final = [wanted.index(at) if at >= 0 else -1 for at in self._texts]
+        self._is_plain: Final = self._numbers_at == list(range(len(wanted))) and all(
+            factor == 1.0 and record_format.codes[at] in FLOATS
+            for at, factor in zip(self._places[1:], factors[1:], strict=True)
+        )
+        """Whether the record holds the numbers as they are wanted, but for the unit of the time."""
 
     def numbers(self, data: bytes, at: int) -> list[float]:
         """The numbers of the record that begins at ``at``; NaN for one that it lacks."""
-        raw = self._unpack(data, at + HEADER_BYTES)
+        raw: tuple[Any, ...] = self._unpack(data, at + HEADER_BYTES)
         factors = self._factors
+        if self._is_plain:
+            numbers = list(raw)
+            numbers[0] = raw[0] * factors[0]
+            return numbers
         return [raw[place] * factors[index] if place >= 0 else nan for index, place in enumerate(self._numbers_at)]
+
+    def time_ns(self, data: bytes, at: int) -> float:
+        """The time of the record that begins at ``at``, ns; NaN for one without."""
+        raw: tuple[Any, ...] = self._unpack_time(data, at + HEADER_BYTES)
+        return raw[0] * self._factors[0] if raw else nan
 
     def texts(self, data: bytes, at: int) -> list[str]:
         """The texts of the record that begins at ``at``; "" for one that it lacks."""

@@ -101,7 +101,7 @@ class DataflashSource:
         readers = FlightReaders(plan, self._survey, self._counts)
         self._readers = readers
         length = len(self._data)
-        router = Router(readers.readers, self._survey.units, self._survey.pace_ns)
+        router = Router(readers.readers, self._survey.units, self._survey.pace_ns, counts_all=False)
         walker = self._walker(router, self._intact_to)
         for samples in read_windows(self._data, walker):
             share = walker.position / length

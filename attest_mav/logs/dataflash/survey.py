@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from attest_mav.logs.dataflash.motion_readers import Accuracy, GpsReader, OriginReader
-from attest_mav.logs.dataflash.reader import RecordReader
+from attest_mav.logs.dataflash.reader import RecordReader, TimeReader
 from attest_mav.logs.dataflash.roles import DATAFLASH_ROLES
 from attest_mav.logs.dataflash.routes import Router
 from attest_mav.logs.dataflash.streams import SENSORS
@@ -36,7 +36,7 @@ class Survey:
     def _readers(self) -> dict[str, RecordReader]:
         readers: dict[str, RecordReader] = {
             **unit_readers(self.units),
-            **{name: RecordReader() for name in DATAFLASH_ROLES.inertial},
+            **{name: TimeReader() for name in DATAFLASH_ROLES.inertial},
             "MSG": self.texts,
             "VER": VersionReader(),
             "PARM": ParameterReader(),
