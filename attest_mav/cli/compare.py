@@ -6,7 +6,15 @@ from typing import Any, Final
 
 import click
 
-from attest_mav.replay.results_comparison import FIGURES, Change, ResultsComparison, compare_results
+from attest_mav.replay.limits import Checked, parse_limit
+from attest_mav.replay.results_comparison import (
+    FIGURES,
+    LIMITED_CHANGES,
+    Change,
+    ResultsComparison,
+    check_changes,
+    compare_results,
+)
 from attest_mav.runtime.results import read_results
 
 SHOWN: Final = 5
@@ -17,21 +25,41 @@ SHOWN: Final = 5
 @click.argument("before", metavar="BEFORE")
 @click.argument("after", metavar="AFTER")
 @click.option("--rows", type=click.IntRange(min=1), default=20, show_default=True, help="Rows of the table at most.")
+@click.option(
+    "--limit",
+    "limits",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help=f"Exit with 1 where a figure has grown by more; of {', '.join(LIMITED_CHANGES)}. May be given several times.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
-def command(before: str, after: str, rows: int, as_json: bool) -> None:
+def command(before: str, after: str, rows: int, limits: tuple[str, ...], as_json: bool) -> None:
     """Compare two files that replay --results has written: what changed on each log, the worst first.
 
     A log is known by its name. Where a file has several results of one log, the last one counts. The changes are those
-    of the errors against the reference and of the seconds of the verdict, AFTER less BEFORE.
+    of the errors against the reference and of the seconds of the verdict, AFTER less BEFORE. A limit is held against
+    the growth on each log; a figure that AFTER lacks misses it, and so do results without a log in common.
     """
+    parsed = [parse_limit(text, list(LIMITED_CHANGES)) for text in limits]
     comparison = compare_results(read_results(before), read_results(after))
+    checked = check_changes(comparison.changes, parsed)
     if as_json:
-        click.echo(json.dumps(as_object(comparison), allow_nan=False))
+        click.echo(json.dumps(as_object(comparison, checked), allow_nan=False))
     else:
         print_comparison(comparison, rows)
+        print_missed(checked)
+    is_missed = any(not one.passes for one in checked) or (bool(parsed) and not comparison.changes)
+    click.get_current_context().exit(int(is_missed))
 
 
-def as_object(comparison: ResultsComparison) -> dict[str, Any]:
+def print_missed(checked: list[Checked]) -> None:
+    """Print the limits that were missed."""
+    for one in checked:
+        if not one.passes:
+            click.echo(f"  limit MISSED {click.format_filename(str(one))}")
+
+
+def as_object(comparison: ResultsComparison, checked: list[Checked]) -> dict[str, Any]:
     """The comparison as one JSON object; degrees and seconds, null for none."""
     return {
         "changes": [
@@ -50,6 +78,7 @@ def as_object(comparison: ResultsComparison) -> dict[str, Any]:
         "other_size": comparison.other_size,
         "other_work": comparison.other_work,
         "not_compared": comparison.unread,
+        "limits": [one.as_json() for one in checked],
     }
 
 

@@ -8,11 +8,10 @@ from typing import Any
 
 import click
 
-from attest_mav.cli.config import load
 from attest_mav.cli.progress import ProgressBar
-from attest_mav.cli.replay_options import configured, window_of
-from attest_mav.config.text import value_text
-from attest_mav.errors import ConfigError, UnreadableDataError, UsageError
+from attest_mav.cli.replay_options import window_of
+from attest_mav.cli.tune_requests import OwnRequestMaker, RequestMaker
+from attest_mav.errors import UnreadableDataError, UsageError
 from attest_mav.evaluation.tuning.search import (
     CONFIGURED,
     Costs,
@@ -24,20 +23,23 @@ from attest_mav.evaluation.tuning.search import (
     search,
     split,
 )
-from attest_mav.evaluation.tuning.space import Parameter, Point, grid_points, parse_parameter, random_points
+from attest_mav.evaluation.tuning.space import Point, grid_points, random_points
 from attest_mav.filters.registry import filter_names
 from attest_mav.replay.limits import SPREADS
 from attest_mav.replay.request import Request, Window
 from attest_mav.runtime.files import open_log
 from attest_mav.runtime.log_paths import log_paths
 
-Options = tuple[str | None, tuple[str, ...]]
-"""A configuration file, and changes of its values."""
-
 
 @click.command("tune")
 @click.argument("logs", nargs=-1, required=True, metavar="LOG...")
-@click.option("--filter", "name", required=True, metavar="NAME", help=f"The filter, of {', '.join(filter_names())}.")
+@click.option(
+    "--filter",
+    "name",
+    required=True,
+    metavar="NAME",
+    help=f"The filter, of {', '.join(filter_names())}, or MODULE:CLASS.",
+)
 @click.option(
     "--param",
     "texts",
@@ -87,12 +89,11 @@ def command(
     the end stands TOML for the configuration.
     """
     check_options(figure, steps, every, runs)
-    config = load(config_file, changes)
-    parameters = [parse_parameter(text, list(config.filter.parameters(name)), name) for text in texts]
-    check_names([one.name for one in parameters])
-    points = grid_points(parameters, steps) if runs is None else random_points(parameters, runs, seed)
     base = Request(window=window_of(0.0, float("inf"), skip_s))
-    requests = RequestMaker(name, parameters, (config_file, changes), base)
+    maker = OwnRequestMaker if ":" in name else RequestMaker
+    requests = maker(name, texts, (config_file, changes), base)
+    parameters = requests.parameters
+    points = grid_points(parameters, steps) if runs is None else random_points(parameters, runs, seed)
     for point in points:
         requests.of(point)  # a value that cannot be is refused before the work begins
     found, unusable = run(log_paths(logs), requests, points, (figure, steps, every), workers)
@@ -114,42 +115,6 @@ def check_options(figure: str, steps: int, every: int, runs: int | None) -> None
     for option, value, least in (("--steps", steps, 2), ("--check-every", every, 2), ("--runs", runs, 1)):
         if value is not None and value < least:
             raise UsageError(f"{option} {value}: expected {least} or more")
-
-
-def check_names(names: list[str]) -> None:
-    """Refuse a parameter that is given twice."""
-    for name in names:
-        if names.count(name) > 1:
-            raise UsageError(f"--param {name}: given twice; expected all of its values in one")
-
-
-class RequestMaker:
-    """Makes the replay by the filter at a point, and tells its parameters."""
-
-    def __init__(self, name: str, parameters: list[Parameter], options: Options, base: Request) -> None:
-        self.name = name
-        self.parameters = parameters
-        self._file, self._changes = options
-        self.base = base
-
-    def of(self, point: Point) -> Request:
-        """The request; UsageError for a value that the filter cannot have."""
-        try:
-            filters, pipeline = configured(self.name, self._file, self._all_changes(point))
-        except ConfigError as error:
-            raise UsageError(f"--param: {str(error).removeprefix('--set: ')}") from None
-        return Request(filters, window=self.base.window, pipeline=pipeline)
-
-    def values(self, point: Point) -> dict[str, Any]:
-        """The values of the parameters that are searched."""
-        every = load(self._file, self._all_changes(point)).filter.parameters(self.name)
-        return {one.name: every[one.name] for one in self.parameters}
-
-    def _all_changes(self, point: Point) -> tuple[str, ...]:
-        """Those of the user and those of the point; none for ``CONFIGURED``."""
-        chosen = zip(self.parameters, point, strict=True) if point else ()
-        texts = [f"filter.{self.name}.{one.name}={one.text(position)}" for one, position in chosen]
-        return (*self._changes, *texts)
 
 
 def run(
@@ -178,8 +143,6 @@ def run(
 
 def as_object(name: str, figure: str, requests: RequestMaker, found: Found, unusable: list[str]) -> dict[str, Any]:
     """The result as one JSON object; costs in degrees, null for none."""
-    best = requests.values(found.best)
-    toml = "\n".join([f"[filter.{name}]", *[f"{key} = {value_text(value)}" for key, value in best.items()]])
     return {
         "filter": name,
         "cost": figure,
@@ -197,7 +160,7 @@ def as_object(name: str, figure: str, requests: RequestMaker, found: Found, unus
         ],
         "logs": [_log(part, found) for part in found.parts],
         "unusable": unusable,
-        "toml": toml + "\n",
+        "toml": requests.toml(found.best),
     }
 
 

@@ -51,11 +51,11 @@ class Checked:
         return f"{self.name} is {self.value:.3f}; at most {self.limit:g} is allowed"
 
 
-def parse_limit(text: str) -> Limit:
-    """The limit of ``NAME=VALUE``; UsageError for another form, an unknown name or a value that is no number."""
+def parse_limit(text: str, names: Sequence[str] = LIMITED) -> Limit:
+    """The limit of ``NAME=VALUE``; UsageError for another form, a name of no figure or a value that is no number."""
     name, equals, number = text.partition("=")
-    if name not in LIMITED or not equals:
-        raise UsageError(f"--limit {text}: expected NAME=VALUE with NAME one of {', '.join(LIMITED)}")
+    if name not in names or not equals:
+        raise UsageError(f"--limit {text}: expected NAME=VALUE with NAME one of {', '.join(names)}")
     try:
         most = float(number)
     except ValueError:

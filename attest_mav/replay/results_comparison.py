@@ -1,11 +1,20 @@
 """Two results of the same logs side by side: the change of each figure, the worst first."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
+from attest_mav.replay.limits import Checked, Limit
+
 FIGURES: Final = ("tilt_rms_deg", "heading_rms_deg", "disagree_s", "undecided_s")
 """The figures whose change is told: errors of a filter against the reference, and seconds of the verdict."""
+LIMITED_CHANGES: Final[Mapping[str, str]] = {
+    "tilt.rms": "tilt_rms_deg",
+    "heading.rms": "heading_rms_deg",
+    "verdict.disagree_s": "disagree_s",
+    "verdict.undecided_s": "undecided_s",
+}
+"""The figures whose growth can be limited, by the names that the limits of a replay have."""
 
 Kept = Mapping[str, Any]
 """A line of a file of results: log, size, work and report or error."""
@@ -53,6 +62,16 @@ def compare_results(before: Mapping[str, Kept], after: Mapping[str, Kept]) -> Re
         [log for log in both if before[log]["of"]["work"] != after[log]["of"]["work"]],
         [log for log, found in changes.items() if not found],
     )
+
+
+def check_changes(changes: Sequence[Change], limits: Sequence[Limit]) -> list[Checked]:
+    """Each limit held against the growth of its figure on every log that had it before; a lost figure misses it."""
+    return [
+        Checked(f"{one.log}: {one.filter}: growth of {limit.name}", one.of(LIMITED_CHANGES[limit.name]), limit.most)
+        for limit in limits
+        for one in changes
+        if one.before[LIMITED_CHANGES[limit.name]] is not None
+    ]
 
 
 def _changes(log: str, before: Kept, after: Kept) -> list[Change]:

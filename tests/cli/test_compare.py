@@ -65,6 +65,38 @@ def test_the_table_fits_and_says_how_much_is_left_out(files):
     assert ["better", "velocity-aided", "-1.000", "-", "-4.0", "0"] in rows
 
 
+@pytest.mark.parametrize(
+    ("limit", "missed"),
+    [
+        ("verdict.disagree_s=7.5", []),
+        ("verdict.disagree_s=7", ["accused: velocity-aided: growth of verdict.disagree_s is 7.500; at most 7 is"]),
+        ("tilt.rms=0.4", ["worse: velocity-aided: growth of tilt.rms is 0.500; at most 0.4 is allowed"]),
+        ("heading.rms=0", []),
+    ],
+)
+def test_a_figure_that_has_grown_by_more_than_its_limit_ends_with_1(files, limit, missed):
+    done = compare(*files, "--limit", limit)
+    assert done.exit_code == bool(missed)
+    found = [one for one in done.stdout.splitlines() if "MISSED" in one]
+    assert len(found) == len(missed)
+    assert all(text in one for text, one in zip(missed, found, strict=True))
+    told = json.loads(compare(*files, "--limit", limit, "--json").stdout)["limits"]
+    assert [one["pass"] for one in told].count(False) == len(missed)
+
+
+def test_a_figure_that_is_gone_and_results_without_a_common_log_miss_a_limit(tmp_path):
+    paths = [tmp_path / "a.jsonl", tmp_path / "b.jsonl", tmp_path / "c.jsonl"]
+    for path, one in zip(paths, (line("a", 1.0, 0.0), line("a", None, 0.0), line("b", 1.0, 0.0)), strict=True):
+        path.write_text(json.dumps(one) + "\n")
+    gone = compare(paths[0], paths[1], "--limit", "tilt.rms=5")
+    assert (gone.exit_code, "growth of tilt.rms: nothing was compared" in gone.stdout) == (1, True)
+    assert compare(paths[0], paths[2], "--limit", "tilt.rms=5").exit_code == 1
+    assert compare(paths[0], paths[0], "--limit", "tilt.rms=5").exit_code == 0
+    assert compare(paths[0], paths[2]).exit_code == 0
+    error = compare(paths[0], paths[1], "--limit", "autopilot.tilt.max=1").exception
+    assert "expected NAME=VALUE with NAME one of tilt.rms, heading.rms, verdict.disagree_s" in str(error)
+
+
 def test_results_that_a_replay_has_kept_are_read(tmp_path):
     kept = [tmp_path / "a.jsonl", tmp_path / "b.jsonl"]
     for path, beta in zip(kept, ("0.033", "0.1"), strict=True):

@@ -1,6 +1,7 @@
 """``attest-mav tune`` as a user meets it."""
 
 import json
+import sys
 import tomllib
 from pathlib import Path
 
@@ -69,6 +70,39 @@ def test_what_cannot_be_meant_is_refused_before_the_work(options, words):
     error = tune("/nonexistent.tlog", *BASE[1:], *options).exception
     assert isinstance(error, UsageError)
     assert words in str(error)
+
+
+def test_a_filter_of_ones_own_is_tuned_with_the_parameters_of_its_table(tmp_path, monkeypatch):
+    (tmp_path / "my_filters.py").write_text(OWN)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    config = tmp_path / "a.toml"
+    config.write_text('[filter.own]\nclass = "my_filters:Turned"\nparameters = { full_fusion = false }\n')
+    own = ("--filter", "my_filters:Turned", "--param", "beta=0.02,0.5", "--json", "--config", config)
+    result = json.loads(tune(LOG, *own, "--skip", "2", "--workers", "1").stdout)
+    same = ("--param", "beta=0.02,0.5", "--json", "--set", "filter.gradient-descent.full_fusion=false")
+    expected = json.loads(tune(*BASE, *same).stdout)
+    assert result["points"] == expected["points"]
+    assert result["configured"] == expected["configured"]
+    best = result["points"][0]["parameters"]["beta"]
+    told = parse_config(result["toml"], "pasted").filter.own
+    assert (told.filter_class, told.parameters) == ("my_filters:Turned", {"full_fusion": False, "beta": best})
+    error = tune(LOG, *own[:2], "--param", "gain=1,2").exception
+    assert "my_filters:Turned has no gain; its parameters: " in str(error)
+    error = tune(LOG, *own[:2], "--param", "beta=-1,1").exception
+    assert isinstance(error, UsageError)
+    assert "beta" in str(error)
+    error = tune(LOG, "--filter", "my_filters:None", "--param", "beta=1,2").exception
+    assert "no such class" in str(error)
+
+
+OWN = """
+from attest_mav import GradientDescent
+
+
+class Turned(GradientDescent):
+    pass
+"""
 
 
 def test_an_unknown_filter_names_those_that_exist():

@@ -8,7 +8,7 @@ import pytest
 from attest_mav import ArgumentError, FlightParameters, GradientDescent, Leveling, RobustAdaptive
 from attest_mav.config.records import parse_config
 from attest_mav.errors import UsageError
-from attest_mav.filters.own import own_filter, search_here
+from attest_mav.filters.own import own_filter, own_parameters, search_here
 from attest_mav.filters.registry import default_filter
 
 MODULE = """
@@ -36,6 +36,11 @@ class Held(AttitudeFilter):
         return state
 
 
+class Bare(Held):
+    def __init__(self, gain, *rest, low=2, **others):
+        raise TypeError
+
+
 class NoFilter:
     pass
 """
@@ -52,6 +57,11 @@ def module(tmp_path, monkeypatch):
 def test_a_class_by_its_name_is_a_filter_with_its_parameters(module):
     assert default_filter(f"{module}:Held").name == "held"
     assert own_filter(f"{module}:Held", {"gain": 3.0}).gain == 3.0
+
+
+def test_the_parameters_of_a_class_are_told_with_their_defaults(module):
+    assert own_parameters(f"{module}:Held") == {"gain": 1.0}
+    assert own_parameters(f"{module}:Bare") == {"gain": None, "low": 2}
 
 
 def test_a_configuration_names_the_class_and_its_parameters(module):
