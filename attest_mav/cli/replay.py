@@ -115,7 +115,8 @@ from attest_mav.runtime.results import Results
     "--dask",
     "scheduler",
     metavar="ADDRESS",
-    help="Replay on the Dask cluster whose scheduler is at ADDRESS, HOST:PORT (needs the extra cluster).",
+    help="Replay on the Dask cluster whose scheduler is at ADDRESS, HOST:PORT (needs the extra cluster). The workers "
+    "read the logs, and write parts of --csv and --parquet beside them, under the same paths as here.",
 )
 @click.option(
     "--results",
@@ -195,12 +196,12 @@ def command(
         page = None if report_path is None else stack.enter_context(report_file(report_path))
         stack.enter_context(junit_file(junit_path, showing.results))
         replayed: Replayed = partial(replay_here, work=Work(request, written, annotated, page))
-        if scheduler is not None:
-            replayed = partial(replay_on_cluster, request=request, address=scheduler)
-        elif not is_alone:
+        if scheduler is not None or not is_alone:
             folder = None if written is None else stack.enter_context(parts_folder(csv_path, parquet_path))
             parts = None if written is None or folder is None else Parts(written, folder)
             replayed = partial(replay_spread, request=request, workers=workers, parts=parts)
+            if scheduler is not None:
+                replayed = partial(replay_on_cluster, request=request, address=scheduler, parts=parts)
         outcomes = replayed(paths)
         if results_path is not None:
             work = (

@@ -19,6 +19,8 @@ from attest_mav.replay.request import Window
 AUTO: Final = "auto"
 ATTITUDES: Final = ("--csv", "--parquet", "--tlog", "--report")
 """The outputs that are made from every attitude of a log."""
+HERE_ALONE: Final = ("--tlog", "--report")
+"""Those of them that the process of the command makes itself."""
 LARGEST_ID: Final = 255
 """Of a MAVLink system or component."""
 
@@ -106,12 +108,12 @@ def check_workers(workers: int | None, is_alone: bool) -> None:
 
 
 def check_cluster(scheduler: str | None, workers: int | None, outputs: dict[str, str | None]) -> None:
-    """Refuse with a cluster what needs the attitudes of a log here."""
+    """Refuse with a cluster what needs the attitudes of a log in this process."""
     if scheduler is None:
         return
     if workers is not None:
         raise UsageError("--dask and --workers: the cluster has its own workers; expected one of them")
-    for option in ATTITUDES:
+    for option in HERE_ALONE:
         if outputs[option] is not None:
             raise UsageError(f"--dask and {option}: the workers send figures and no attitudes; expected one of them")
 

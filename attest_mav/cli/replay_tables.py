@@ -7,6 +7,7 @@ from pathlib import Path
 from shutil import copyfileobj
 from typing import IO, TYPE_CHECKING, Final
 
+from attest_mav.errors import UnwritableError
 from attest_mav.replay.csv_table import CsvTable
 from attest_mav.replay.table_rows import RowSink, TableRows
 from attest_mav.runtime.files import atomic_write
@@ -45,9 +46,15 @@ class Tables:
         if self._parquet is not None:
             self._parquet.end_group()
 
-    def append(self, part: str) -> None:
-        """Take the rows of a part, and remove it; a log that could not be opened has none."""
+    def append(self, part: str, is_whole: bool) -> None:
+        """Take the rows of a part, and remove it.
+
+        is_whole: the log was replayed, so that there must be a part; one that could not be opened has none.
+        """
         csv, parquet = _part_paths(part)
+        for path, is_wanted in zip((csv, parquet), self.kinds, strict=True):
+            if is_whole and is_wanted and not path.exists():
+                raise UnwritableError(f"the worker's rows did not come: no {path}; expected a folder that both see")
         if self._csv_file is not None and csv.exists():
             with csv.open("rb") as file:
                 copyfileobj(file, self._csv_file)
@@ -100,6 +107,12 @@ def parts_folder(csv_path: str | None, parquet_path: str | None) -> Iterator[str
     beside = None if target.exists() and not target.is_file() else target.parent
     with tempfile.TemporaryDirectory(dir=beside, prefix=".attest-mav-parts.") as folder:
         yield folder
+
+
+def drop(part: str) -> None:
+    """Remove a part that is not whole."""
+    for path in _part_paths(part):
+        path.unlink(missing_ok=True)
 
 
 def _part_paths(part: str) -> tuple[Path, Path]:

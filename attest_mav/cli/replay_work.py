@@ -3,7 +3,7 @@
 import json
 import os
 import platform
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -13,7 +13,7 @@ from typing import IO, TYPE_CHECKING
 import click
 
 from attest_mav.cli.progress import ProgressBar
-from attest_mav.cli.replay_tables import Tables, part_of
+from attest_mav.cli.replay_tables import Tables, drop, part_of
 from attest_mav.cli.version import version_text
 from attest_mav.errors import AttestMavError, UnreadableDataError
 from attest_mav.replay.batch import Outcome, Report, replay_file, replay_files
@@ -155,14 +155,15 @@ def replay_spread(
     return _replay_over(processes(count), logs, request, parts)
 
 
-def replay_on_cluster(logs: list[str], request: Request, address: str) -> Iterator[Outcome]:
-    """The outcome of every log in order, made by the workers of a Dask cluster, which see the logs where we do."""
+def replay_on_cluster(logs: list[str], request: Request, address: str, parts: Parts | None = None) -> Iterator[Outcome]:
+    """The outcome of every log in order, made by the workers of a Dask cluster, which see our files where we do."""
     from attest_mav.runtime.cluster import cluster  # noqa: PLC0415 - Dask is an extra
 
     if not logs:
         return iter(())
-    seen = next((str(Path(path).absolute()) for path in logs if Path(path).exists()), None)
-    return _replay_over(cluster(address, partial(described, seen), _given_up, _remark), logs, request)
+    log = next((path for path in logs if Path(path).exists()), None)
+    seen = [str(Path(path).absolute()) for path in (log, None if parts is None else parts.folder) if path is not None]
+    return _replay_over(cluster(address, partial(described, seen), _given_up, _remark), logs, request, parts)
 
 
 def _replay_over(
@@ -177,7 +178,7 @@ def _replay_over(
         for done, (task, (report, error)) in enumerate(zip(tasks, helped, strict=True), 1):
             bar.show(done / len(logs))
             if parts is not None:
-                parts.tables.append(task.part)
+                parts.tables.append(task.part, is_whole=report is not None)
             yield Outcome(task.path, report, error)
 
 
@@ -195,15 +196,20 @@ def _replayed(task: Task, request: Request) -> Helped:
     return outcome.report, outcome.error
 
 
-def described(seen: str | None) -> str:
-    """The program and Python of this process; UnreadableDataError unless the log is in its place here too."""
-    if seen is not None and not Path(seen).exists():
-        raise UnreadableDataError(f"it has no {seen}; expected every log under the same path on each worker")
+def described(seen: Sequence[str]) -> str:
+    """The program and Python of this process; UnreadableDataError unless log and folder are in their place here too."""
+    for path in seen:
+        if not Path(path).exists():
+            raise UnreadableDataError(
+                f"it has no {path}; expected the logs and the folder of a table under the same paths on each worker"
+            )
     return f"{version_text()}, Python {platform.python_version()}"
 
 
 def _given_up(task: Task, reason: str) -> Helped:
-    """The outcome of a log that no worker has replayed."""
+    """The outcome of a log that no worker has replayed; the rows that one may have written are dropped."""
+    if task.part:
+        drop(task.part)
     return None, UnreadableDataError(f"{task.path}: given up: {reason}")
 
 

@@ -12,9 +12,12 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from pyarrow.parquet import read_table
 
 from attest_mav.cli.replay import command
-from attest_mav.errors import ClusterError, UsageError
+from attest_mav.cli.replay_tables import tables
+from attest_mav.cli.replay_work import Task, _given_up, described
+from attest_mav.errors import ClusterError, UnreadableDataError, UnwritableError, UsageError
 from attest_mav.runtime import cluster as module
 from attest_mav.runtime.cluster import cluster
 
@@ -78,6 +81,33 @@ def test_a_cluster_gives_what_this_process_gives(two_workers, folder, tmp_path, 
     # All results are kept, so that nobody is asked for another one.
     again = replay(folder.name, "--json", "--dask", "127.0.0.1:1", "--results", kept)
     assert (again.exit_code, again.stdout, again.stderr) == (here.exit_code, here.stdout, here.stderr)
+
+
+def test_tables_by_a_cluster_are_those_of_this_process(two_workers, folder, tmp_path):
+    paths = {one: [tmp_path / f"{one}.csv", tmp_path / f"{one}.parquet"] for one in ("here", "there")}
+    for one, options in (("here", ("--workers", 1)), ("there", ("--dask", two_workers.address))):
+        files = ("--csv", paths[one][0], "--parquet", paths[one][1])
+        done = replay(folder / "a.tlog", folder / "bad.bin", *files, *options)
+        assert done.exit_code == 65
+    assert paths["there"][0].read_bytes() == paths["here"][0].read_bytes()
+    assert read_table(str(paths["there"][1])).equals(read_table(str(paths["here"][1])))
+    assert sorted(one.name for one in tmp_path.iterdir()) == ["here.csv", "here.parquet", "there.csv", "there.parquet"]
+
+
+def test_the_rows_of_a_log_that_is_given_up_are_dropped_and_lost_ones_are_an_error(tmp_path):
+    with tables(str(tmp_path / "a.csv"), None) as written:
+        part = tmp_path / "1"
+        (tmp_path / "1.csv").write_text("half a row,")
+        assert _given_up(Task("a.tlog", "", str(part)), "why")[1] is not None
+        written.append(str(part), is_whole=False)
+        with pytest.raises(UnwritableError, match=r"rows did not come: no .*1\.csv"):
+            written.append(str(part), is_whole=True)
+    assert "half" not in (tmp_path / "a.csv").read_text()
+
+
+def test_a_worker_without_the_folder_of_the_tables_says_so(tmp_path):
+    with pytest.raises(UnreadableDataError, match="it has no /nonexistent/parts; expected the logs and the folder"):
+        described([str(tmp_path), "/nonexistent/parts"])
 
 
 def counting(of):
@@ -186,7 +216,7 @@ def test_without_the_extra_the_command_says_what_to_install(monkeypatch, folder)
     assert "attest-mav[cluster]" in str(error)
 
 
-@pytest.mark.parametrize("more", [("--workers", 2), ("--csv", "rows.csv"), ("--tlog", "a.tlog")])
+@pytest.mark.parametrize("more", [("--workers", 2), ("--report", "a.html"), ("--tlog", "a.tlog")])
 def test_what_a_cluster_cannot_do_is_refused(more):
     error = replay(START, "--dask", "127.0.0.1:1", *more).exception
     assert isinstance(error, UsageError)

@@ -1,5 +1,8 @@
 """A short campaign of damage, and what it would notice; tools/damage_logs runs the long one."""
 
+import subprocess
+import sys
+from pathlib import Path
 from random import Random
 
 import pytest
@@ -8,6 +11,8 @@ from attest_mav.evaluation.damage.campaign import Patient, outcome, survivors_of
 from attest_mav.evaluation.damage.injuries import INJURIES, Chance, Piece, content
 from attest_mav.evaluation.damage.readings import Reading
 from attest_mav.evaluation.damage.samples import SAMPLES
+
+TOOL = Path(__file__).parents[3] / "tools" / "damage_logs"
 
 
 @pytest.fixture(scope="module", params=sorted(SAMPLES))
@@ -48,3 +53,14 @@ def test_records_behind_a_destroyed_description_are_not_expected(dialect):
     pieces.append(Piece(described[0] + 31, len(patient.log)))
     kinds = {patient.records[index].kind for index, _ in survivors_of(pieces, patient.records)}
     assert kinds == {"IMU", "ATT", "MODE", "PARM", "MSG"}
+
+
+def test_the_command_damages_logs_and_archives_and_repeats_a_run_by_its_seed():
+    command = [sys.executable, "-P", str(TOOL), "--seed", "99", "--runs"]
+    kinds = {"capture_output": True, "text": True, "timeout": 120}
+    done = [subprocess.run([*command, runs], check=False, **kinds) for runs in ("3", "1")]
+    assert [one.returncode for one in done] == [0, 0]
+    rows = [line.split()[:4] for line in done[0].stdout.splitlines() if "plain" in line]
+    assert len(rows) == 5
+    assert rows == [line.split()[:4] for line in done[1].stdout.splitlines() if "plain" in line]
+    assert done[0].stdout.splitlines()[-1].endswith("faults: 0")
