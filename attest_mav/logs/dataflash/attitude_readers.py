@@ -46,14 +46,14 @@ class QuaternionReader(RecordReader):
     """A record with a quaternion, or before 3.6 with roll, pitch and yaw in its place (SIM)."""
 
     def __init__(self, source: str, role: AttitudeRole) -> None:
-        super().__init__([*QUATERNION, *ANGLES])
+        super().__init__([*ANGLES, *QUATERNION])
         self._source: Final = source
         self._role: Final = role
 
     def read(self, t_ns: int, numbers: list[float], texts: list[str]) -> list[Sample]:
         """One AttitudeSample."""
-        q: Quat = (numbers[1], numbers[2], numbers[3], numbers[4])
-        euler: Vec3 = (numbers[5], numbers[6], numbers[7])
+        euler: Vec3 = (numbers[1], numbers[2], numbers[3])
+        q: Quat = (numbers[4], numbers[5], numbers[6], numbers[7])
         if not isfinite(q[0]) and is_finite(euler):
             q = q_from_euler(euler[0], euler[1], euler[2])
         if not is_attitude(q):

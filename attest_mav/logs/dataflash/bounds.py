@@ -10,7 +10,7 @@ from typing import Final
 from mypy_extensions import i64
 
 from attest_mav.logs.dataflash.record_clock import RecordClock
-from attest_mav.logs.dataflash.record_format import FORMAT_BYTES, FORMAT_TYPE, HEADER_BYTES, parse_format
+from attest_mav.logs.dataflash.record_format import FORMAT_BYTES, FORMAT_TYPE, HEADER_BYTES, is_format
 from attest_mav.logs.dataflash.record_types import RecordTypes
 from attest_mav.logs.dataflash.selection import time_column
 
@@ -43,9 +43,8 @@ class Bounds:
             return 0
         kind: i64 = data[at + 2]
         if kind == FORMAT_TYPE:
-            if at + FORMAT_BYTES > self._size or parse_format(data[at + HEADER_BYTES : at + FORMAT_BYTES]) is None:
-                return 0
-            return FORMAT_BYTES
+            end = at + FORMAT_BYTES
+            return FORMAT_BYTES if end <= self._size and is_format(data[at + HEADER_BYTES : end]) else 0
         length: i64 = self._types.lengths[kind]
         return length if at + length <= self._size else 0
 

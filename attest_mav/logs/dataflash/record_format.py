@@ -89,13 +89,18 @@ class RecordFormat:
         return found if found < len(self.codes) else -1
 
 
+def is_format(body: bytes) -> bool:
+    """Whether the 86 bytes behind FMT's header are a description."""
+    if len(body) < _BODY.size or body[1] < HEADER_BYTES:
+        return False
+    return _NAME.match(body[2:6]) is not None and _CODES.match(body[6:22]) is not None
+
+
 def parse_format(body: bytes) -> RecordFormat | None:
     """The description in the 86 bytes behind FMT's header; None for bytes that are none."""
-    if len(body) < _BODY.size:
+    if not is_format(body):
         return None
     record_type, length, name, codes, labels = _BODY.unpack_from(body)
-    if not (_NAME.match(name) and _CODES.match(codes) and length >= HEADER_BYTES):
-        return None
     return made_format(record_type, length, text_of(name), text_of(codes), text_of(labels))
 
 

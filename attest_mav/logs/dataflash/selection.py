@@ -55,6 +55,10 @@ class Selection:
             for at, factor in zip(self._places[1:], factors[1:], strict=True)
         )
         """Whether the record holds the numbers as they are wanted, but for the unit of the time."""
+        missing = self._numbers_at.count(-1)
+        self._missing: Final = [nan] * missing
+        self._in_order: Final = self._numbers_at == [*range(len(wanted)), *[-1] * missing]
+        """Whether it holds them in the wanted order, those that it lacks being the last."""
 
     def numbers(self, data: bytes, at: int) -> list[float]:
         """The numbers of the record that begins at ``at``; NaN for one that it lacks."""
@@ -64,6 +68,10 @@ class Selection:
             numbers = list(raw)
             numbers[0] = raw[0] * factors[0]
             return numbers
+        if self._in_order:
+            found = [value * factors[index] for index, value in enumerate(raw)]
+            found += self._missing
+            return found
         return [raw[place] * factors[index] if place >= 0 else nan for index, place in enumerate(self._numbers_at)]
 
     def time_ns(self, data: bytes, at: int) -> float:

@@ -179,16 +179,15 @@ class EstimatorReader(RecordReader):
     """
 
     def __init__(self, source: str) -> None:
-        super().__init__([Column(name) for name in ("C", "PI", "SS", "SV", "SP", "SH", "SM", "SVT")])
+        super().__init__([Column(name) for name in ("C", "SV", "SP", "SH", "SM", "SVT", "SS", "PI")])
         self._source: Final = source
 
     def read(self, t_ns: int, numbers: list[float], texts: list[str]) -> list[Sample]:
         """One EstimatorStatusSample; before 3.5 there is no number of the core, and the record is the primary's."""
-        core, primary, flags = numbers[1], numbers[2], numbers[3]
+        core, flags, primary = numbers[1], numbers[7], numbers[8]
         if not isfinite(flags) or (isfinite(core) and core != primary):
             return []
         is_valid, is_glitch = int(flags) & ATTITUDE_FLAG != 0, int(flags) & GLITCH_FLAG != 0
-        ratios = numbers[4:]
         return [
             EstimatorStatusSample(
                 self._source,
@@ -198,11 +197,11 @@ class EstimatorReader(RecordReader):
                 is_valid,
                 is_glitch,
                 False,
-                ratios[0],
-                ratios[1],
-                ratios[2],
-                ratios[3],
-                ratios[4],
+                numbers[2],
+                numbers[3],
+                numbers[4],
+                numbers[5],
+                numbers[6],
                 ARDUPILOT_LIMIT,
             )
         ]
