@@ -114,6 +114,20 @@ class GpsReader(RecordReader):
         return [ClockSample(self._source, SYSTEM, COMPONENT, t_ns, t_ns, unix_us)]
 
 
+class FirstFixReader(GpsReader):
+    """GPS of one receiver until it has told its date and a fix with place and velocity; behind that the time alone."""
+
+    def read(self, t_ns: int, numbers: list[float], texts: list[str]) -> list[Sample]:
+        """The samples of ``GpsReader``."""
+        samples = super().read(t_ns, numbers, texts)
+        self.is_timed_alone = (
+            self._has_dated
+            and any(isinstance(one, VelocitySample) for one in samples)
+            and any(isinstance(one, PositionSample) for one in samples)
+        )
+        return samples
+
+
 class AirspeedReader(RecordReader):
     """ARSP, the airspeed sensor; one that is not healthy is not heard."""
 

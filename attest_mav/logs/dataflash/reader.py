@@ -20,6 +20,8 @@ class RecordReader:
     def __init__(self, columns: Sequence[Column] = (), texts: Sequence[str] = ()) -> None:
         self.columns: Final = tuple(columns)
         self.texts: Final = tuple(texts)
+        self.is_timed_alone = False
+        """Whether only the time of its records shall be followed from now on."""
 
     def read(self, t_ns: int, numbers: list[float], texts: list[str]) -> list[Sample]:
         """The samples of a record. numbers: those of ``columns`` from 1 on; NaN and "" for what the record lacks."""
@@ -28,3 +30,7 @@ class RecordReader:
 
 class TimeReader(RecordReader):
     """Makes no samples: only the time of its records is followed."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.is_timed_alone = True

@@ -5,6 +5,7 @@ descriptions, FMT's own among them. (ArduPilot's libraries/AP_Logger, LogStructu
 """
 
 import re
+from itertools import accumulate
 from struct import Struct
 from typing import Final
 
@@ -67,7 +68,7 @@ class RecordFormat:
         self.codes: Final = codes
         self.columns: Final = columns
         sizes = [CODES[code].size for code in codes] if all(code in CODES for code in codes) else []
-        self.offsets: Final = [HEADER_BYTES + sum(sizes[:index]) for index in range(len(sizes))]
+        self.offsets: Final = list(accumulate(sizes[:-1], initial=HEADER_BYTES)) if sizes else []
         """Place of each column in the record."""
         self.columns_length: Final = HEADER_BYTES + sum(sizes) if sizes else length
         """Length of the header and the columns: another one than that told where a description is damaged or wrong."""

@@ -5,7 +5,7 @@ from typing import Final
 
 from mypy_extensions import i64
 
-from attest_mav.logs.dataflash.reader import RecordReader, TimeReader
+from attest_mav.logs.dataflash.reader import RecordReader
 from attest_mav.logs.dataflash.record_clock import RecordClock
 from attest_mav.logs.dataflash.record_format import RecordFormat
 from attest_mav.logs.dataflash.selection import Selection, time_column
@@ -30,13 +30,12 @@ class Binding:
         self._clock: Final = clock
         self._paces: Final = paces
         self._has_texts: Final = bool(reader.texts)
-        self._is_timed_alone: Final = isinstance(reader, TimeReader)
 
     def take(self, data: bytes, at: int) -> list[Sample]:
         """The samples of the record at this place."""
         if self._paces:
             self._clock.tick()
-        if self._is_timed_alone:
+        if self._reader.is_timed_alone:
             self._clock.at(self._selection.time_ns(data, at))
             return NO_SAMPLES
         numbers = self._selection.numbers(data, at)
@@ -86,7 +85,9 @@ class Route:
         else:
             binding = self.binding(data[at + place])
         if binding is not None:
-            samples.extend(binding.take(data, at))
+            found = binding.take(data, at)
+            if found:
+                samples.extend(found)
 
     def binding(self, number: int) -> Binding | None:
         """Count a record with this number; its reader, None where it is not wanted."""

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Final
 
-from attest_mav.logs.dataflash.motion_readers import Accuracy, GpsReader, OriginReader
+from attest_mav.logs.dataflash.motion_readers import Accuracy, FirstFixReader, OriginReader
 from attest_mav.logs.dataflash.reader import RecordReader, TimeReader
 from attest_mav.logs.dataflash.roles import DATAFLASH_ROLES
 from attest_mav.logs.dataflash.routes import Router
@@ -46,7 +46,7 @@ class Survey:
             "STAT": ArmReader("STAT", "Armed", self.state),
         }
         for name in SENSORS["GPS"]:
-            readers[name] = GpsReader(name, Accuracy())
+            readers[name] = FirstFixReader(name, Accuracy())
         return readers
 
     def take(self, windows: Iterator[list[Sample]]) -> Iterator[None]:
