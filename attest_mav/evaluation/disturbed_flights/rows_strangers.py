@@ -33,7 +33,7 @@ ROWS: Final = (
     Disturbance("a minute of a second vehicle with the same ids comes at once, from now on", burst(60.0, 0.02)),
     Disturbance("20 s of a second vehicle with the same ids come at once, of long ago", burst(20.0, -15.0)),
     Disturbance(
-        "20 s of a second vehicle with the same ids come within 2 s, from now on",
+        "20 s of a second vehicle with the same ids come within 2 s",
         burst(20.0, 0.02, 2.0),
         sign=TWO_SENDERS,
         verdicts=DOUBT,
