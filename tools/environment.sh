@@ -30,3 +30,19 @@ make_environment() {
     "$folder/bin/python" -m pip install --quiet --disable-pip-version-check "$@"
     echo "$stamp" >"$folder/stamp"
 }
+
+# make_locked_environment NAME LOCK: .venvs/NAME with the packages of requirements/LOCK.txt and no others. A file whose
+# hash is not listed there is refused. Nothing is installed again while the list is the same.
+make_locked_environment() {
+    local folder=.venvs/$1 list=requirements/$2.txt python stamp
+    python=$(find_python)
+    stamp="$(cksum "$list") $("$python" --version)"
+    if [ -f "$folder/stamp" ] && [ "$(cat "$folder/stamp")" = "$stamp" ]; then
+        return
+    fi
+    echo "installing $list into $folder"
+    rm -rf "$folder"
+    "$python" -m venv "$folder"
+    "$folder/bin/python" -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r "$list"
+    echo "$stamp" >"$folder/stamp"
+}

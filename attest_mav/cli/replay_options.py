@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from attest_mav.errors import UsageError
-from attest_mav.estimation.delay import RECORDED_DRIFT
+from attest_mav.estimation.arrivals import Arrivals
 from attest_mav.estimation.pipeline import PipelineSettings
 from attest_mav.filters.base import AttitudeFilter
 from attest_mav.filters.own import search_here
@@ -51,7 +51,7 @@ def configured(
 
     config = load(config_file, changes)
     chosen = filters_of(text, config.filter.named) or (config.filter.build(),)
-    return chosen, replace(pipeline_settings(config), drift=RECORDED_DRIFT)
+    return chosen, replace(pipeline_settings(config), arrivals=Arrivals.RECORDED)
 
 
 def vehicle_of(text: str | None) -> VehicleChoice | None:

@@ -36,6 +36,13 @@ Seconds = Annotated[float, Meta(ge=0.1, le=3600.0)]
 BytesPerSecond = Annotated[float, Meta(ge=0.0, le=1e8)]
 Megabytes = Annotated[float, Meta(ge=1.0, le=1e7)]
 Scale = Annotated[float, Meta(ge=0.0, le=1.0)]
+Url = Annotated[str, Meta(examples=["udpin:0.0.0.0:14550"])]
+Address = Annotated[str, Meta(examples=["127.0.0.1:8484"])]
+KeyFile = Annotated[str, Meta(examples=["/etc/attest-mav/signing.key"])]
+StateFolder = Annotated[str, Meta(examples=["/var/lib/attest-mav"])]
+RecordFolder = Annotated[str, Meta(examples=["/var/log/attest-mav"])]
+UnsignedMessages = Annotated[tuple[str, ...], Meta(examples=[["RADIO_STATUS"]])]
+HostNames = Annotated[tuple[str, ...], Meta(examples=[["drone.local"]])]
 SpeedSource = Literal[
     "auto", "airspeed", "groundspeed", "GPS_RAW_INT", "GLOBAL_POSITION_INT", "LOCAL_POSITION_NED", "none"
 ]
@@ -79,7 +86,7 @@ class OutputConfig(_Record, frozen=True):
 class LinkConfig(_Record, frozen=True):
     """One link, and its outputs."""
 
-    url: str
+    url: Url
     """See ``parse_link``."""
     publish: tuple[OutputName, ...] = ("attitude_quaternion", "statustext")
     """The outputs on this link."""
@@ -91,9 +98,9 @@ class LinkConfig(_Record, frozen=True):
     """Let ground stations read and set our parameters."""
     signing: Literal["off", "sign", "require"] = "off"
     """Sign what is sent and verify what is signed; "require" drops unsigned frames too."""
-    key_file: str = ""
+    key_file: KeyFile = ""
     """File of the key, 32 bytes or 64 hexadecimal digits, which nobody else may read."""
-    accept_unsigned: tuple[str, ...] = ()
+    accept_unsigned: UnsignedMessages = ()
     """Messages that are taken unsigned all the same."""
     wait: bool = True
     """Wait for a device or a server that is not there at the start, instead of ending with exit code 69."""
@@ -169,7 +176,7 @@ class VerdictConfig(_Record, frozen=True):
 class StateConfig(_Record, frozen=True):
     """The state that is kept over a restart."""
 
-    folder: str = ""
+    folder: StateFolder = ""
     """Folder of the file; empty takes systemd's, else the user's own."""
 
 
@@ -187,7 +194,7 @@ class LogConfig(_Record, frozen=True):
 class RecordConfig(_Record, frozen=True):
     """Recordings of the vehicle's messages, of our own, and of the lines of the log."""
 
-    folder: str = ""
+    folder: RecordFolder = ""
     """Folder of the files; empty: nothing is recorded."""
     file_mb: Megabytes = 64.0
     """A file of this size ends, MB."""
@@ -202,9 +209,9 @@ class RecordConfig(_Record, frozen=True):
 class WebConfig(_Record, frozen=True):
     """The live page, and the documents for programs beside it."""
 
-    listen: str = ""
+    listen: Address = ""
     """HOST:PORT; empty: nothing is served."""
-    hosts: tuple[str, ...] = ()
+    hosts: HostNames = ()
     """Names under which it may be asked for, besides addresses and localhost."""
 
 

@@ -71,7 +71,23 @@ def readable(message: str, data: dict[str, Any], record: type[msgspec.Struct]) -
     text = (text[:1].lower() + text[1:]).replace("`", "")
     if "missing required field" in text:
         return f"{key}: the key {text.rpartition(' ')[2]} is missing"
-    return f"{key}: {text}" if ", got" in text else f"{key}: {text}, got {found!r:.60}"
+    if ", got" in text:  # another type: the word for it is not TOML's, so a value shows how that is written
+        return f"{key}: {text}{_example(parts, record)}"
+    return f"{key}: {text}, got {found!r:.60}"
+
+
+def _example(parts: list[str], record: type[msgspec.Struct]) -> str:
+    """A value for the key under ``parts``, as a line of TOML: the example of its type, else its default; or none."""
+    owner: Any = record
+    for part in parts[:-1]:
+        owner = _record_in(_item_of(owner) if part.startswith("[") else _fields(owner).get(part)) if owner else None
+    for field in () if owner is None else msgspec.structs.fields(owner):
+        if field.encode_name == parts[-1]:
+            limits = [limit for limit in getattr(field.type, "__metadata__", ()) if limit.examples]
+            value = limits[0].examples[0] if limits else field.default
+            if isinstance(value, str | int | float | list) and value != "":
+                return f"; for example {parts[-1]} = {value_text(value)}"
+    return ""
 
 
 def _fields(record: type[msgspec.Struct]) -> dict[str, Any]:

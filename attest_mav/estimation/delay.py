@@ -8,7 +8,8 @@ together, and are as old as they are.
 
 from typing import Final
 
-from attest_mav.estimation.clock_offset import ClockOffset
+from attest_mav.estimation.arrivals import Arrivals
+from attest_mav.estimation.clock_offset import DRIFT, ClockOffset
 from attest_mav.estimation.timebase import wrapped_difference_ns
 
 RECORDED_DRIFT: Final = 0.5
@@ -27,13 +28,13 @@ less: an answer may have overtaken a backlog, which has come by then."""
 
 
 class DelayMeter:
-    """Follows one lane. clock: the vehicle's. drift: growth of the least difference, s/s."""
+    """Follows one lane. clock: the vehicle's. arrivals: how fast the least difference may grow."""
 
-    def __init__(self, clock: ClockOffset, drift: float = RECORDED_DRIFT) -> None:
+    def __init__(self, clock: ClockOffset, arrivals: Arrivals = Arrivals.RECORDED) -> None:
         self.least_ns = 0
         """The smallest recent arrival minus timestamp, ns; no meaning before the first sample."""
         self._clock: Final = clock
-        self._drift: Final = drift
+        self._drift: Final = DRIFT if arrivals == Arrivals.LIVE else RECORDED_DRIFT
         self._last_rx_ns = -1
         self._foreign_at = -1
         self._has_fitted = False

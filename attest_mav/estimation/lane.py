@@ -5,7 +5,8 @@ from typing import Final
 
 from attest_mav.algebra import norm, q_norm
 from attest_mav.estimation.alignment import Aligner, ecompass
-from attest_mav.estimation.delay import RECORDED_DRIFT, DelayMeter
+from attest_mav.estimation.arrivals import Arrivals
+from attest_mav.estimation.delay import DelayMeter
 from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind
 from attest_mav.estimation.filter_run import FilterRun, field_heading
 from attest_mav.estimation.lane_inputs import LaneInputs
@@ -25,7 +26,7 @@ HEADING_CAPTURE: Final = 0.09
 
 
 class Lane:
-    """Samples of one source in, estimates and events out. stepper: takes the filter's steps. drift: of ``DelayMeter``.
+    """Samples of one source in, estimates and events out. stepper: takes the filter's steps. arrivals: their clock.
 
     Counters: samples (taken), repeats (same timestamp), late (out of order), strays (with a timestamp that nothing
     confirmed), gaps, restarts, rejected (no rate of a vehicle), frozen (repeated by a frozen sensor).
@@ -37,7 +38,7 @@ class Lane:
         attitude_filter: AttitudeFilter,
         vehicle: Vehicle,
         stepper: Stepper | None = None,
-        drift: float = RECORDED_DRIFT,
+        arrivals: Arrivals = Arrivals.RECORDED,
     ) -> None:
         self.source: Final = source
         self.samples = 0
@@ -53,12 +54,12 @@ class Lane:
         self._inputs: Final = LaneInputs(vehicle)
         self._run: Final = FilterRun(attitude_filter)
         self._run.set_vehicle_settings(vehicle.settings)
-        self._timebase = TimeBase()
+        self._timebase = TimeBase(arrivals)
         self._aligner = Aligner()
         self.delay_s = 0.0
         """How late the newest sample came, s."""
-        self._drift: Final = drift
-        self._delay = DelayMeter(vehicle.clock, drift)
+        self._arrivals: Final = arrivals
+        self._delay = DelayMeter(vehicle.clock, arrivals)
         self._freeze = FreezeDetector()
         self._field = StuckMagnetometer()
         self._aligned = False
@@ -74,6 +75,16 @@ class Lane:
     def is_jumping(self) -> bool:
         """Whether the newest timestamp does not follow from those before it, and is not confirmed yet."""
         return self._timebase.is_jumping
+
+    @property
+    def difference_ns(self) -> int:
+        """Arrival minus timestamp of the newest sample that was taken, ns."""
+        return self._timebase.difference_ns
+
+    @property
+    def strayed_rx_ns(self) -> int:
+        """Arrival of the newest sample, where its timestamp is a stray, ns; -1 where it follows."""
+        return self._timebase.strayed_rx_ns
 
     @property
     def interval_s(self) -> float:
@@ -161,7 +172,7 @@ class Lane:
         self._aligner = Aligner()
         if kind == LaneEventKind.REBOOTED:
             self._vehicle.clock.forget()
-            self._delay = DelayMeter(self._vehicle.clock, self._drift)
+            self._delay = DelayMeter(self._vehicle.clock, self._arrivals)
         self._tell(events, kind, sample, text)
 
     def _hold_frozen(self, sample: ImuSample, dt_s: float, events: list[Event]) -> None:

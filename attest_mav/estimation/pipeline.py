@@ -12,8 +12,8 @@ from math import isfinite, radians
 from typing import Final
 
 from attest_mav.estimate import Estimate
+from attest_mav.estimation.arrivals import Arrivals
 from attest_mav.estimation.attitude_check import STALE_INTERVALS, AttitudeCheck
-from attest_mav.estimation.delay import RECORDED_DRIFT
 from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventKind, Verdict
 from attest_mav.estimation.freshness import FreshnessWatch
 from attest_mav.estimation.imu_frame import ImuFrame
@@ -42,15 +42,14 @@ class PipelineSettings:
 
     stale_s: without a sample for this long there is no estimate, and one that comes later than this does not hold.
     max_sigma: above this tilt sigma an estimate is not published, rad. verdict: thresholds of the comparison with the
-    autopilot. aids: what aids the filters. drift: how fast the autopilot's clock may run apart from the one of the
-    arrivals, s/s.
+    autopilot. aids: what aids the filters. arrivals: the clock of the samples' arrivals.
     """
 
     stale_s: float = 0.5
     max_sigma: float = radians(3.0)
     verdict: VerdictSettings = field(default_factory=VerdictSettings)
     aids: AidSettings = field(default_factory=AidSettings)
-    drift: float = RECORDED_DRIFT
+    arrivals: Arrivals = Arrivals.RECORDED
 
 
 class Pipeline:
@@ -167,6 +166,10 @@ class Pipeline:
         """Judge an attitude of the autopilot that stands in the frame of the inertial messages."""
         return self._check.take(sample)
 
+    def suspended(self, reason: str, now_ns: int) -> Verdict:
+        """The verdict that there is none at present, for a reason that the samples do not tell."""
+        return self._check.undecided(reason, now_ns)
+
     def _watch_trim(self, sample: ParameterSample, before: VehicleSettings) -> None:
         """Notice a trim that is changed in flight by more than a fine adjustment, and one that is changed back.
 
@@ -224,7 +227,7 @@ class Pipeline:
         lane = self.lanes.get(source)
         if lane is None:
             stepper = None if self._witness is None else self._witness.watch(source)
-            lane = Lane(source, self._filter, self.vehicle, stepper, self._settings.drift)
+            lane = Lane(source, self._filter, self.vehicle, stepper, self._settings.arrivals)
             self.lanes[source] = lane
         taken, restarts = lane.samples, lane.restarts
         events = lane.handle(sample)

@@ -9,6 +9,8 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
+from attest_mav.estimation.arrivals import ArrivalPace, Arrivals
+from attest_mav.estimation.pending_jump import PendingJump
 from attest_mav.record import Record
 
 GAP_S: Final = 0.1
@@ -27,10 +29,9 @@ EARLY_PERIODS: Final = 5.0
 not follow: no sample can come before it was taken. After a true gap the arrival is as far ahead as the stamp."""
 LATE_NS: Final = 1_000_000_000
 """A stamp further back than this is stray, a nearer one late: out of order."""
-CONFIRMING_NS: Final = 600_000_000
-"""A jump is confirmed by stamps that continue from it for this long. Shorter stretches are disorder, or sent twice."""
-BURST_NS: Final = 5_000_000_000
-"""Stamps that arrive in less than half of ``CONFIRMING_NS`` are a backlog that is sent twice, unless they span this."""
+LEAD_NS: Final = 100_000_000
+"""On a live link a stamp ahead of its arrival by more does not follow either, however small its step: a burst of
+stored messages that goes on from the newest stamp would run ahead in ordinary steps."""
 
 WRAP_NS: Final = (1 << 32) * 1_000_000
 """Millisecond clocks of 32 bits wrap after 49.7 days."""
@@ -76,31 +77,21 @@ def wrapped_difference_ns(a_ns: int, b_ns: int) -> int:
     return (a_ns - b_ns + WRAP_NS // 2) % WRAP_NS - WRAP_NS // 2
 
 
-class _PendingJump:
-    """A stamp that did not follow, and those that have continued from it."""
-
-    def __init__(self, t_ns: int, rx_ns: int) -> None:
-        self.first_ns: Final = t_ns
-        self.last_ns = t_ns
-        self.rx_ns: Final = rx_ns
-
-    def is_confirmed(self, rx_ns: int) -> bool:
-        """Whether the stamps so far span enough, on both clocks."""
-        span_ns = self.last_ns - self.first_ns
-        if span_ns < CONFIRMING_NS:
-            return False
-        return 2 * (rx_ns - self.rx_ns) >= CONFIRMING_NS or span_ns >= BURST_NS
-
-
 class TimeBase:
-    """Classifies the timestamps of one lane, in order of arrival."""
+    """Classifies the timestamps of one lane, in order of arrival. arrivals: the clock that tells it."""
 
-    def __init__(self) -> None:
+    def __init__(self, arrivals: Arrivals = Arrivals.RECORDED) -> None:
         self._last_ns = -1
         self._wrapped_ns = 0
         self.usual_s = 0.0
         """The usual step, s; 0 while it is not known."""
-        self._jump: _PendingJump | None = None
+        self.difference_ns = 0
+        """Arrival minus stamp of the newest stamp that is believed, ns."""
+        self.strayed_rx_ns = -1
+        """Arrival of the newest stamp, where that is a stray; -1 where it follows."""
+        self._arrivals: Final = arrivals
+        self._pace: Final = None if arrivals == Arrivals.RECORDED else ArrivalPace()
+        self._jump: PendingJump | None = None
 
     @property
     def is_jumping(self) -> bool:
@@ -115,20 +106,23 @@ class TimeBase:
         """
         now_ns = self._unwrapped(t_ns)
         delta_ns = now_ns - self._last_ns
-        if self._last_ns < 0:
+        begins = self._last_ns < 0
+        if begins:
             kind = StepKind.FIRST
         elif delta_ns == 0:
             return TimeStep(StepKind.REPEAT, 0.0, now_ns)
-        elif delta_ns > 0 and not self._is_early(delta_ns, least_ns - (rx_ns - now_ns)):
+        elif delta_ns > 0 and not self._is_early(now_ns, rx_ns, least_ns):
             kind = self._kind(delta_ns * 1e-9)
         elif not self._is_confirmed(now_ns, rx_ns):
-            return TimeStep(StepKind.LATE if -LATE_NS <= delta_ns < 0 else StepKind.STRAY, 0.0, now_ns)
+            if -LATE_NS <= delta_ns < 0:
+                return TimeStep(StepKind.LATE, 0.0, now_ns)
+            self.strayed_rx_ns = rx_ns
+            return TimeStep(StepKind.STRAY, 0.0, now_ns)
         elif delta_ns < 0:
-            kind, now_ns = StepKind.REBOOT, t_ns
+            kind, now_ns, begins = StepKind.REBOOT, t_ns, True
         else:
-            kind = self._kind(delta_ns * 1e-9)
-        self._jump = None
-        self._last_ns = now_ns
+            kind, begins = self._kind(delta_ns * 1e-9), True
+        self._believe(now_ns, rx_ns, begins)
         self._wrapped_ns = now_ns - t_ns
         is_step = kind in (StepKind.STEP, StepKind.GAP, StepKind.RESTART)
         return TimeStep(kind, delta_ns * 1e-9 if is_step else 0.0, now_ns)
@@ -143,23 +137,36 @@ class TimeBase:
             return now_ns - WRAP_NS
         return now_ns
 
-    def _is_early(self, delta_ns: int, early_ns: int) -> bool:
-        """Whether a step forward by delta does not follow. early_ns: before the quickest arrival, ns."""
+    def _is_early(self, now_ns: int, rx_ns: int, least_ns: int) -> bool:
+        """Whether a step forward to this stamp does not follow: it comes before the quickest arrival."""
+        if self._pace is not None and self._pace.lead_ns(now_ns, rx_ns, least_ns) > LEAD_NS:
+            return True
         limit_s = min(EARLY_PERIODS * self.usual_s, RESTART_S) if self.usual_s > 0.0 else RESTART_S
         limit_ns = 1e9 * limit_s
-        return delta_ns > limit_ns and early_ns > limit_ns
+        return now_ns - self._last_ns > limit_ns and least_ns - (rx_ns - now_ns) > limit_ns
 
     def _is_confirmed(self, now_ns: int, rx_ns: int) -> bool:
         """Take a stamp that does not follow: whether it confirms the pending jump. It begins one otherwise."""
         jump = self._jump
         since_ns = 0 if jump is None else now_ns - jump.last_ns
         if jump is None or not -LATE_NS <= since_ns <= int(1e9 * max(RESTART_S, GAP_PERIODS * self.usual_s)):
-            self._jump = _PendingJump(now_ns, rx_ns)
+            self._jump = PendingJump(now_ns, rx_ns, self._arrivals)
             return False
         if since_ns <= 0:
             return False  # out of order, or repeated, within what follows from the jump
-        jump.last_ns = now_ns
-        return jump.is_confirmed(rx_ns)
+        return jump.is_confirmed_by(now_ns, rx_ns)
+
+    def _believe(self, now_ns: int, rx_ns: int, begins: bool) -> None:
+        """Go on to this stamp. begins: it is the first one, or the one that confirms the pending jump."""
+        if self._pace is not None:
+            if begins:
+                self._pace.begin(now_ns, rx_ns, 1.0 if self._jump is None else self._jump.pace(rx_ns))
+            else:
+                self._pace.take(now_ns, rx_ns)
+        self._jump = None
+        self.strayed_rx_ns = -1
+        self.difference_ns = rx_ns - now_ns
+        self._last_ns = now_ns
 
     def _kind(self, dt_s: float) -> StepKind:
         """STEP, GAP or RESTART, by the length of a forward step; updates the usual one."""

@@ -130,6 +130,10 @@ class Vehicle:
             self.settings = self.settings.updated(setting, nan)
         self.estimator = None
 
+    def forget_motion(self) -> None:
+        """Whether it is armed or landed is not known: another sender may have said it."""
+        self.armed = self.landed = None
+
     def _take_heartbeat(self, sample: HeartbeatSample) -> None:
         self.kind, self.armed, self.mode = sample.kind, sample.armed, sample.mode
         self.autopilot, self.vehicle_type = sample.autopilot, sample.vehicle_type

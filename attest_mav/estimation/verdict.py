@@ -41,9 +41,11 @@ REASONS: Final = (
     "no-estimate",
     "no-reference",
     "unknown-frame",
+    "two-senders",
 )
 """The codes of ``Verdict.reason``. settling: a difference has not lasted long enough to count, or an offset is being
-measured. disputed: our own attitudes differ on it. doubted: all of ours were contradicted just now,
+measured. disputed: our own attitudes differ on it. two-senders: messages of two clocks come
+under the vehicle's ids. doubted: all of ours were contradicted just now,
 or the magnetic field is not for ours. offset: a steady
 one, as a trim that is not known makes it, or a trim that was changed in flight: the attitudes agree but for it, and
 nothing tells which trim is right."""

@@ -13,7 +13,7 @@ from typing import Final
 from attest_mav.config.link_url import Scheme, parse_link
 from attest_mav.config.records import AidingConfig, Config, LinkConfig, RawImuConfig, StreamsConfig, VerdictConfig
 from attest_mav.errors import ConfigError, UsageError
-from attest_mav.estimation.clock_offset import DRIFT
+from attest_mav.estimation.arrivals import Arrivals
 from attest_mav.estimation.pipeline import PipelineSettings
 from attest_mav.estimation.vehicle import AidSettings
 from attest_mav.estimation.verdict import VerdictSettings
@@ -52,7 +52,7 @@ def pipeline_settings(config: Config) -> PipelineSettings:
         radians(config.output.max_sigma_deg),
         _verdict_settings(config.verdict),
         _aid_settings(config.aiding),
-        DRIFT,
+        Arrivals.LIVE,
     )
 
 

@@ -10,8 +10,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from attest_mav.estimate import Estimate
-from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind, Verdict
-from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
+from attest_mav.estimation.pipeline import Pipeline
 from attest_mav.estimation.vehicle import Vehicle
 from attest_mav.mavlink.component.companion import Companion
 from attest_mav.mavlink.component.notes import Note
@@ -37,14 +36,14 @@ from attest_mav.service.observation import (
     tilt_threshold,
     vehicle_snapshot,
 )
-from attest_mav.service.publisher import Publisher
 from attest_mav.service.settings import ServiceSettings
 from attest_mav.service.signing_status import signing_snapshot
 from attest_mav.service.snapshot import NO_TRAFFIC, NoteCounts, RecordingSnapshot, Snapshot, Traffic
 from attest_mav.service.source_notes import SourceNotes
-from attest_mav.service.verdict_teller import VerdictTeller
+from attest_mav.service.vehicle_attitude import VehicleAttitude
 from attest_mav.types import EarthField
 from attest_mav.vehicle_reports import ParameterSample
+from attest_mav.vehicle_settings import VehicleSettings
 
 if TYPE_CHECKING:
     from attest_mav.service.tape import Tape
@@ -87,29 +86,24 @@ class Service:
             for verifier in self._signing.verifiers
         ]
         self._decoder = Decoder(dialect, settings.raw_scales)
-        self._vehicle = Vehicle(settings.pipeline.aids)
-        self._vehicle.field = EarthField(settings.declination)
         self._field_lookup: Final = FieldLookup(find_field, settings.declination, self._notebook)
-        self._pipeline: Pipeline | None = None
         self._announcements: Final = Announcements(self._companion)
-        self._publisher = self._new_publisher()
-        self._verdicts = self._new_teller()
+        self._attitude = self._new_attitude(VehicleSettings(), EarthField(settings.declination))
         self._sender = self._companion.sender
         self._samples = 0
         self._stale_ns: Final = int(settings.pipeline.stale_s * 1e9)
-        self._sample_ns = now_ns - 10 * self._stale_ns
         self._source_notes: Final = SourceNotes(self._notebook)
         self._next_refusals_ns = now_ns + REFUSALS_NS
 
     @property
     def estimate(self) -> Estimate | None:
         """The newest valid estimate, else None."""
-        return None if self._pipeline is None else self._pipeline.estimate
+        return self._attitude.estimate
 
     @property
     def is_armed(self) -> bool | None:
         """Whether the vehicle is armed, None while that is not known."""
-        return self._vehicle.armed
+        return self._attitude.vehicle.armed
 
     def fresh(self, now_ns: int) -> bool:
         """Whether there is an estimate younger than the configured limit."""
@@ -138,7 +132,7 @@ class Service:
             else:
                 self._retune()
                 for exchange in companion.timesync.take():
-                    self._vehicle.clock.take(exchange)
+                    self._attitude.vehicle.clock.take(exchange)
                 self.due_ns = now_ns  # a heartbeat, an answer, a command: something may follow from it
         if verifier is not None and verifier.requires:
             return verifier.authentic > authentic
@@ -154,13 +148,12 @@ class Service:
         """Do everything that is due."""
         self._signing.clock.advance(now_ns)
         self._retune()
-        if self._pipeline is not None:
-            self._act(self._pipeline.poll(now_ns), now_ns)
+        self._attitude.poll(now_ns)
         if now_ns >= self._next_refusals_ns:
             self._next_refusals_ns = now_ns + REFUSALS_NS
             self._source_notes.refusals(self._decoder, self._companion.data.imu, now_ns)
             self._source_notes.frames(self._frame_notes)
-            self._verdicts.settle(now_ns)
+            self._attitude.verdicts.settle(now_ns)
             self._measure_loss(now_ns)
         self._companion.state = self._state(now_ns)
         self._companion.poll(now_ns)
@@ -179,7 +172,7 @@ class Service:
 
     def stop(self) -> None:
         """Leave the last frames to ``take_frames``: rates set back, and a heartbeat that says goodbye."""
-        self._verdicts.end()
+        self._attitude.verdicts.end()
         self._companion.stop()
 
     def snapshot(
@@ -189,7 +182,7 @@ class Service:
 
         traffic: the host's counters, one record a link. recording: the host's, of the tape.
         """
-        companion, decoder = self._companion, self._decoder
+        companion, decoder, attitude = self._companion, self._decoder, self._attitude
         counters = traffic or [NO_TRAFFIC] * len(self._inputs)
         signing = [signing_snapshot(verifier, now_ns) for verifier in self._signing.verifiers]
         parts = zip(self._inputs, companion.ports, signing, counters, strict=True)
@@ -197,7 +190,7 @@ class Service:
         return Snapshot(
             now_ns=now_ns,
             state=companion.state,
-            vehicle=vehicle_snapshot(companion.discovery, self._vehicle),
+            vehicle=vehicle_snapshot(companion.discovery, attitude.vehicle),
             ambiguity=companion.discovery.ambiguity,
             links=tuple(link_snapshot(*part) for part in parts),
             streams=stream_snapshots(companion.data.stream_manager, companion.discovery.present, now_ns),
@@ -206,15 +199,15 @@ class Service:
             not_independent=frozenset(name for name, independent in decoder.independent.items() if not independent),
             refusals=refusals(decoder),
             samples=self._samples,
-            clock=clock_snapshot(self._vehicle.clock, companion.timesync.answers),
+            clock=clock_snapshot(attitude.vehicle.clock, companion.timesync.answers),
             late_by_s=0.0 if self._pipeline is None else self._pipeline.freshness.late_by_s,
             lanes=lane_snapshots(self._pipeline),
-            verdict=self._verdicts.standing,
-            spans=self._verdicts.spans,
+            verdict=attitude.verdicts.standing,
+            spans=attitude.verdicts.spans,
             tilt_threshold=tilt_threshold(self._pipeline, self._settings.pipeline.verdict),
             autopilot=autopilot_attitude(self._pipeline),
-            withheld="" if self.estimate is None else self._publisher.reason,
-            self_report=self._vehicle.self_report.remarks(now_ns),
+            withheld="" if self.estimate is None else attitude.publisher.reason,
+            self_report=attitude.vehicle.self_report.remarks(now_ns),
             frame_notes=tuple(self._frame_notes),
             link_remarks=tuple(companion.remarks(now_ns)),
             own_parameters=tuple(companion.own_parameters.changes.items()),
@@ -234,46 +227,48 @@ class Service:
         hz = parameters.value(RATE.name) if parameters.table else settings.companion.publish_hz
         for port, port_settings in zip(self._companion.ports, settings.ports, strict=True):
             port.use(port_settings, hz)
-        if self._pipeline is not None:
-            self._pipeline.use_filter(settings.attitude_filter)
-        self._use_pipeline_settings(pipeline)
+        self._attitude.use(pipeline)
+        self._attitude.use_filter(settings.attitude_filter)
         self.due_ns = 0
 
     def _take(self, sample: Sample, now_ns: int) -> None:
+        companion, attitude = self._companion, self._attitude
         if isinstance(sample, ImuSample):
-            if not self._companion.imu_taken(sample.source, sample.t_ns, now_ns):
+            if not companion.imu_taken(sample.source, sample.t_ns, now_ns):
                 return
-            if sample.source == self._companion.data.primary_imu:
+            if sample.source == companion.data.primary_imu:
                 self._samples += 1
-                self._sample_ns = now_ns
-                if not self._is_served(sample.source):
-                    self._begin_pipeline(sample.source)
+                attitude.begin_on(sample.source, self._decoder.notes.get(sample.source, ""))
+        elif not attitude.believes(sample):
+            return
         elif isinstance(sample, PositionSample):
-            self._vehicle.field = self._field_lookup.at(sample) or self._vehicle.field
-        elif isinstance(sample, ParameterSample) and not self._companion.parameter_taken(sample):
+            attitude.vehicle.field = self._field_lookup.at(sample) or attitude.vehicle.field
+        elif isinstance(sample, ParameterSample) and not companion.parameter_taken(sample):
             self.due_ns = now_ns  # it is asked again
             return
-        if self._pipeline is None:
-            self._vehicle.take(sample)
-        else:
-            self._act(self._pipeline.handle(sample), now_ns)
-            if self._pipeline.doubts_clock:
-                self._companion.timesync.hurry()
-                self.due_ns = min(self.due_ns, self._companion.next_deadline_ns)
+        if attitude.take(sample, now_ns):
+            self.due_ns = now_ns
+        if attitude.pipeline is not None and attitude.pipeline.doubts_clock:
+            companion.timesync.hurry()
+            self.due_ns = min(self.due_ns, companion.next_deadline_ns)
 
     def _begin_anew(self) -> None:
         """Another vehicle, another component of it, or none: nothing learned from the last one holds for this one."""
         self._sender = self._companion.sender
         self._decoder = Decoder(self._dialect, self._settings.raw_scales)
-        before = self._vehicle
-        self._vehicle = Vehicle(self._settings.pipeline.aids)
+        field = self._attitude.vehicle.field  # the place is the same until a position says otherwise
+        self._attitude.verdicts.end()
         heard = self._companion.discovery.vehicle
-        self._vehicle.settings = facts_of_firmware(self._sender[2], -1 if heard is None else heard.vehicle_type)
-        self._vehicle.field = before.field  # the place is the same until a position says otherwise
-        self._pipeline = None
-        self._publisher = self._new_publisher()
-        self._verdicts.end()
-        self._verdicts = self._new_teller()
+        settings = facts_of_firmware(self._sender[2], -1 if heard is None else heard.vehicle_type)
+        self._attitude = self._new_attitude(settings, field)
+
+    def _new_attitude(self, settings: VehicleSettings, field: EarthField) -> VehicleAttitude:
+        """The work on another vehicle, of which these settings and this field of the Earth are known."""
+        vehicle = Vehicle(self._settings.pipeline.aids)
+        vehicle.settings, vehicle.field = settings, field
+        return VehicleAttitude(
+            self._companion, self._announcements, self._settings.pipeline, self._settings.attitude_filter, vehicle
+        )
 
     def _retune(self) -> None:
         """Put our own parameters in force, where they have changed."""
@@ -282,53 +277,9 @@ class Service:
             return
         settings = retuned(self._settings.pipeline, parameters)
         self._settings = replace(self._settings, pipeline=settings)
-        self._use_pipeline_settings(settings)
+        self._attitude.use(settings)
         for port in self._companion.ports:
             port.set_rate(parameters.value(RATE.name))
-
-    def _use_pipeline_settings(self, settings: PipelineSettings) -> None:
-        self._publisher.limit(settings.max_sigma)
-        if self._pipeline is not None:
-            self._pipeline.use(settings)
-
-    def _is_served(self, source: str) -> bool:
-        """Whether the pipeline has a lane for this message, or an estimate of another sensor."""
-        pipeline = self._pipeline
-        return pipeline is not None and (pipeline.takes(source) or pipeline.estimate is not None)
-
-    def _begin_pipeline(self, source: str) -> None:
-        """Run the filter on another inertial message; the record of the vehicle goes on."""
-        attitude_filter = self._settings.attitude_filter
-        lanes = [source, *self._companion.data.further_imu]
-        self._pipeline = Pipeline(self._settings.pipeline, attitude_filter, lanes, self._vehicle)
-        note = self._decoder.notes.get(source, "")
-        self._notebook.info(f"using {source} with the filter {attitude_filter.name}{f' ({note})' if note else ''}")
-
-    def _act(self, events: list[Event], now_ns: int) -> None:
-        """Publish estimates, pass verdicts on, and tell the events of the lanes."""
-        for event in events:
-            if isinstance(event, Estimate):
-                if event is self.estimate:  # one that came too late to hold is not sent
-                    contradicted = self._pipeline is not None and self._pipeline.is_contradicted
-                    self._publisher.publish(event, contradicted, now_ns)
-            elif isinstance(event, Verdict):
-                self.due_ns = now_ns
-                self._verdicts.take(event)
-            elif isinstance(event, LaneEvent):
-                self.due_ns = now_ns
-                self._verdicts.lane_event(event)
-                if event.kind == LaneEventKind.REBOOTED:
-                    self._companion.ask_again(now_ns)
-        if events and self.estimate is None:
-            self._publisher.withdraw(self._lack(events, now_ns), now_ns)
-
-    def _lack(self, events: list[Event], now_ns: int) -> str:
-        """Why there is no estimate after these events."""
-        is_silent = any(isinstance(event, LaneEvent) and event.kind == LaneEventKind.STOPPED for event in events)
-        if is_silent or now_ns - self._sample_ns >= self._stale_ns:
-            return "samples stopped"
-        late_by_s = 0.0 if self._pipeline is None else self._pipeline.freshness.late_by_s
-        return f"samples come {late_by_s:.1f} s late" if late_by_s > 0.0 else "aligning"
 
     def _measure_loss(self, now_ns: int) -> None:
         """Tell the companion what the vehicle's link loses."""
@@ -337,19 +288,17 @@ class Service:
             source = self._inputs[vehicle.link]
             self._companion.data.stream_manager.loss.take(source.frames, source.lost, source.bad_crc, now_ns)
 
-    def _new_publisher(self) -> Publisher:
-        return Publisher(self._companion, self._announcements, self._settings.pipeline.max_sigma)
-
-    def _new_teller(self) -> VerdictTeller:
-        return VerdictTeller(self._companion, self._announcements, self._vehicle)
-
     def _state(self, now_ns: int) -> int:
         """MAV_STATE; while the attitude is withheld the filter is still calibrating."""
         if self.fresh(now_ns):
-            if self._verdicts.disagrees:
+            if self._attitude.verdicts.disagrees:
                 return MAV_STATE_CRITICAL
-            return MAV_STATE_ACTIVE if self._publisher.is_open else MAV_STATE_CALIBRATING
-        return MAV_STATE_CALIBRATING if now_ns - self._sample_ns < self._stale_ns else MAV_STATE_BOOT
+            return MAV_STATE_ACTIVE if self._attitude.publisher.is_open else MAV_STATE_CALIBRATING
+        return MAV_STATE_CALIBRATING if self._attitude.brings_samples(now_ns) else MAV_STATE_BOOT
+
+    @property
+    def _pipeline(self) -> Pipeline | None:
+        return self._attitude.pipeline
 
     @property
     def _frame_notes(self) -> list[str]:

@@ -1,11 +1,13 @@
 import pytest
 
-from attest_mav.estimation.clock_offset import DRIFT, ClockOffset
+from attest_mav.estimation.arrivals import Arrivals
+from attest_mav.estimation.clock_offset import ClockOffset
 from attest_mav.estimation.delay import DelayMeter
 from attest_mav.vehicle_reports import TimeExchange
 
 MS = 1_000_000
 S = 1_000 * MS
+LIVE = {"arrivals": Arrivals.LIVE}
 
 
 def delays(pairs, **choices):
@@ -48,17 +50,19 @@ def test_a_link_that_has_become_slower_is_believed_after_a_while_in_a_recording(
 
 @pytest.mark.parametrize("growth", [0.01, 0.1, 0.4, 0.9])
 def test_on_a_live_link_a_delay_that_grows_slowly_is_seen_whole(growth):
-    late = delays([(k * 20 * MS, round(k * 20 * MS * (1 + growth))) for k in range(3000)], drift=DRIFT)
+    late = delays([(k * 20 * MS, round(k * 20 * MS * (1 + growth))) for k in range(3000)], **LIVE)
     assert late[-1] == pytest.approx(60.0 * growth, rel=0.11, abs=0.01)
 
 
 def test_on_a_live_link_a_delay_that_stays_is_not_forgotten():
-    late = delays([(k * 20 * MS, k * 20 * MS + (2 * S if k >= 100 else 0)) for k in range(6000)], drift=DRIFT)
+    late = delays(
+        [(k * 20 * MS, k * 20 * MS + (2 * S if k >= 100 else 0)) for k in range(6000)], arrivals=Arrivals.LIVE
+    )
     assert late[-1] == pytest.approx(2.0, abs=0.13)
 
 
 def test_a_crystal_that_runs_slow_is_no_delay():
-    assert max(delays([(k * 20 * MS, round(k * 20 * MS * 1.0005)) for k in range(100_000)], drift=DRIFT)) < 1e-6
+    assert max(delays([(k * 20 * MS, round(k * 20 * MS * 1.0005)) for k in range(100_000)], **LIVE)) < 1e-6
 
 
 def metered(exchanges, samples):
@@ -66,7 +70,7 @@ def metered(exchanges, samples):
     clock = ClockOffset()
     for sent_s, autopilot_s, received_s in exchanges:
         clock.take(TimeExchange(round(sent_s * S), round(autopilot_s * S), round(received_s * S)))
-    meter = DelayMeter(clock, DRIFT)
+    meter = DelayMeter(clock, Arrivals.LIVE)
     return [meter.delay_s(round(t_s * S), round(rx_s * S)) for t_s, rx_s in samples]
 
 
@@ -98,7 +102,7 @@ def test_timestamps_of_another_clock_stay_so_between_the_answers():
 
 def test_a_clock_that_stood_still_is_found_out_by_the_next_answer():
     clock = ClockOffset()
-    meter = DelayMeter(clock, DRIFT)
+    meter = DelayMeter(clock, Arrivals.LIVE)
     clock.take(TimeExchange(0, 5 * MS, 10 * MS))
     assert meter.delay_s(20 * MS, 22 * MS) == pytest.approx(0.002)
     assert meter.delay_s(40 * MS, 5 * S + 42 * MS) == pytest.approx(5.0, abs=0.01)
@@ -112,7 +116,7 @@ def test_a_clock_that_stood_still_is_found_out_by_the_next_answer():
 
 def test_a_backlog_that_an_answer_overtook_stays_old():
     clock = ClockOffset()
-    meter = DelayMeter(clock, DRIFT)
+    meter = DelayMeter(clock, Arrivals.LIVE)
     clock.take(TimeExchange(0, 5 * MS, 10 * MS))
     assert meter.delay_s(20 * MS, 22 * MS) == pytest.approx(0.002)
     clock.take(TimeExchange(3 * S, 3 * S + 5 * MS, 3 * S + 10 * MS))

@@ -32,12 +32,13 @@ def test_the_names_tell_the_rows_apart():
         ({"oldest_s": 0.6}, "oldest sent"),
         ({"worst_tilt_deg": 1.6}, "tilt error sent"),
         ({"lines": 30}, "lines a minute"),
+        ({"sent_hz": 21.0}, "sent"),
         ({"unsound": 1}, "unsound attitudes sent"),
         ({"verdicts": ((Agreement.UNDECIDED, "doubted"),)}, "verdict UNDECIDED"),
     ],
 )
 def test_each_bound_can_be_missed(change, missed):
-    row = Disturbance("any", sign="a sign", accused_s=inf if "accused_s" not in change else 1.0)
+    row = Disturbance("any", sign="a sign", sent_hz=20.0, accused_s=inf if "accused_s" not in change else 1.0)
     found = misses(row, dataclasses.replace(GOOD, **change))
     assert [text.startswith(missed) for text in found] == ([True] if missed else [])
 

@@ -194,6 +194,7 @@ def misses(row: Disturbance, found: Outcome) -> list[str]:
         ("detected", found.detected_s, row.detected_s if row.sign else inf, "s"),
         ("accused", found.accused_s, row.accused_s, "s"),
         ("recovered", found.recovered_s, row.recovered_s, "s"),
+        ("sent", found.sent_hz, row.sent_hz, "Hz"),
         ("oldest sent", found.oldest_s, FRESH_S + ROUNDING_S, "s"),
         ("tilt error sent", found.worst_tilt_deg, row.tilt_deg, "deg"),
         ("unsound attitudes sent", float(found.unsound), 0.0, ""),

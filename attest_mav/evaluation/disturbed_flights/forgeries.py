@@ -5,7 +5,7 @@ from math import radians
 from typing import Any, Final
 
 from attest_mav.algebra import q_to_euler
-from attest_mav.evaluation.disturbed_flights.frames import edited, message_id
+from attest_mav.evaluation.disturbed_flights.frames import edited, message_id, shifted
 from attest_mav.evaluation.disturbed_flights.link_faults import MeddleMaker
 from attest_mav.evaluation.disturbed_flights.row import SYSTEM, Meddle, Tools
 from attest_mav.mavlink.constants import (
@@ -24,6 +24,8 @@ from attest_mav.sim.settings import SimSettings
 Values = dict[str, Any]
 """Fields of a message."""
 
+BURST_STEP_S: Final = 0.02
+"""Resolution of the times of what was stored, s."""
 OUR_COMPONENT: Final = 193
 LONGER_UP_S: Final = 37.0
 """The second vehicle was switched on so much earlier, s."""
@@ -151,6 +153,30 @@ def second_vehicle(tools: Tools) -> Meddle:
         return found
 
     return meddle
+
+
+def burst(length_s: float, ahead_s: float, spread_s: float = 0.0) -> MeddleMaker:
+    """All that a vehicle with the same ids has sent, from its start for so long, comes at once, or within a spread.
+
+    ahead_s: its clock at the start of what comes, before that of the vehicle at that moment, s; negative for behind.
+    """
+
+    def make(tools: Tools) -> Meddle:
+        other = FakeAutopilot(SimSettings(scenario="coordinated-turns", fast_rate_hz=50.0), 7, tools.dialect)
+        steps = range(round(length_s / BURST_STEP_S))
+        stored = [(step, one) for step in steps for one in other.frames_until(round(1e9 * BURST_STEP_S * step))]
+
+        def meddle(t_s: float, frames: list[bytes]) -> list[tuple[float, bytes]]:
+            found = [(0.0, frame) for frame in frames]
+            shift_ms = round(1e3 * (t_s + ahead_s))
+            for step, frame in stored:
+                found.append((spread_s * step / len(steps), shifted(tools.dialect, frame, shift_ms)))
+            stored.clear()
+            return found
+
+        return meddle
+
+    return make
 
 
 def lowering_rates(period_s: float, rate_hz: int) -> MeddleMaker:

@@ -81,6 +81,8 @@ class Disturbance:
     """The verdicts that may stand from the beginning to the recovery."""
     tilt_deg: float = 1.5
     """Bound of the true tilt error of what is published, degrees."""
+    sent_hz: float = inf
+    """Bound of the attitudes sent while it lasts, Hz; finite where none may be."""
     accused_s: float = inf
     """Bound of the time until DISAGREE, s; infinite where nobody need be accused."""
 

@@ -7,6 +7,7 @@ from attest_mav.evaluation.disturbed_flights.forgeries import (
     REQUEST,
     SECOND_VEHICLE,
     among,
+    burst,
     extreme_reading,
     heartbeat,
     inertial_reading,
@@ -28,7 +29,15 @@ GIMBAL: Final = 154
 
 ROWS: Final = (
     Disturbance("a second vehicle's heartbeats, system 2", among(1.0, SECOND_VEHICLE)),
-    Disturbance("a second vehicle with the same ids", second_vehicle, sign=TWO_SENDERS, verdicts=ACCUSE),
+    Disturbance("a second vehicle with the same ids", second_vehicle, sign=TWO_SENDERS, verdicts=DOUBT, sent_hz=1.0),
+    Disturbance("a minute of a second vehicle with the same ids comes at once, from now on", burst(60.0, 0.02)),
+    Disturbance("20 s of a second vehicle with the same ids come at once, of long ago", burst(20.0, -15.0)),
+    Disturbance(
+        "20 s of a second vehicle with the same ids come within 2 s",
+        burst(20.0, 0.02, 2.0),
+        sign=TWO_SENDERS,
+        verdicts=DOUBT,
+    ),
     Disturbance(
         "a gimbal's heartbeats that claim an autopilot",
         among(1.0, heartbeat(SYSTEM, GIMBAL, MAV_TYPE_GIMBAL, MAV_AUTOPILOT_ARDUPILOTMEGA)),

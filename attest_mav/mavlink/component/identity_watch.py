@@ -5,6 +5,7 @@ same ids show two runs, or two differences, that alternate. Frames that come lat
 behind its head, so runs count as two only where they are far apart.
 """
 
+from collections import deque
 from typing import Final
 
 SPAN_NS: Final = 5_000_000_000
@@ -15,8 +16,11 @@ REACH: Final = 16
 """A sequence number at most this far ahead of a run continues it: frames between them were lost or are not read."""
 NEAR: Final = 64
 """Runs this near to each other are one, with late frames."""
-SAME_CLOCK_NS: Final = 500_000_000
-"""Differences of clocks this near to each other are one."""
+SAME_CLOCK_NS: Final = 1_500_000_000
+"""Differences of clocks this near to each other are one: frames that come up to a second late show other ones too."""
+STANDING_NS: Final = 500_000_000
+"""Two clocks are there until they have not alternated for this long: messages of the one are then not taken for those
+of the other."""
 REMEMBERED_NS: Final = 10_000_000_000
 """Two senders are told for so long after the last sign of them."""
 
@@ -25,19 +29,17 @@ class _Alternation:
     """Counts how often frames change between two series."""
 
     def __init__(self) -> None:
-        self._began_ns = 0
-        self._count = 0
+        self._changes_ns: Final[deque[int]] = deque(maxlen=MIN_ALTERNATIONS)
         self._last = 0
 
     def take(self, series: int, now_ns: int) -> bool:
         """A frame belongs to series 0 or 1; True where it changes between them, once more than one sender can."""
-        if now_ns - self._began_ns > SPAN_NS:
-            self._began_ns, self._count = now_ns, 0
         if series == self._last:
             return False
         self._last = series
-        self._count += 1
-        return self._count >= MIN_ALTERNATIONS
+        changes_ns = self._changes_ns
+        changes_ns.append(now_ns)
+        return len(changes_ns) == MIN_ALTERNATIONS and now_ns - changes_ns[0] <= SPAN_NS
 
 
 class SequenceRuns:
@@ -91,7 +93,7 @@ class IdentityWatch:
         self._runs: Final[dict[int, SequenceRuns]] = {}
         self._clocks: Final = Clocks()
         self._evidence = ""
-        self._seen_ns = -REMEMBERED_NS
+        self._seen_ns = self._clocks_ns = -REMEMBERED_NS
 
     def frame(self, link: int, sequence: int, now_ns: int) -> None:
         """Take a frame of the vehicle's ids that is no copy of an earlier one."""
@@ -105,6 +107,11 @@ class IdentityWatch:
         """Take the time of an inertial sample."""
         if self._clocks.take(t_ns, now_ns):
             self._evidence, self._seen_ns = "two clocks", now_ns
+            self._clocks_ns = now_ns
+
+    def are_two_clocks(self, now_ns: int) -> bool:
+        """Whether inertial samples of two clocks come under the same ids."""
+        return now_ns - self._clocks_ns < STANDING_NS
 
     def evidence(self, now_ns: int) -> str:
         """What shows that there are two senders, "" where there is one."""
