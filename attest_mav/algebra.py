@@ -5,9 +5,22 @@ are unboxed by the compiler, which is why everything here is written out. Quater
 ``attest_mav.types`` for the frames.
 """
 
-from math import acos, asin, atan2, cos, isfinite, pi, sin, sqrt
+from math import acos, asin, atan2, cos, pi, sin, sqrt
 
 from attest_mav.types import Mat3, Quat, Vec3
+
+# --- numbers -------------------------------------------------------------------------------------------------------
+
+
+def square(x: float) -> float:
+    """x x: compiled, the operator ** makes objects of its operands and calls pow()."""
+    return x * x
+
+
+def is_number(x: float) -> bool:
+    """True when x is neither NaN nor infinite: compiled, ``math.isfinite`` makes an object of its argument."""
+    return x - x == 0.0
+
 
 # --- vectors -------------------------------------------------------------------------------------------------------
 
@@ -54,7 +67,7 @@ def unit_axis(axis: int) -> Vec3:
 
 def is_finite(a: Vec3) -> bool:
     """True when no component is NaN or infinite."""
-    return isfinite(a[0] + a[1] + a[2])
+    return is_number(a[0] + a[1] + a[2])
 
 
 # --- angles --------------------------------------------------------------------------------------------------------
@@ -62,6 +75,8 @@ def is_finite(a: Vec3) -> bool:
 
 def wrap_pi(angle: float) -> float:
     """The same angle in (-pi, pi], rad."""
+    if -pi < angle <= pi:
+        return angle
     wrapped = angle - 2.0 * pi * float(round(angle / (2.0 * pi)))
     return pi if wrapped <= -pi else wrapped
 

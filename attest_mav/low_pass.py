@@ -59,5 +59,5 @@ def aliased_share(cutoff_hz: float, dt_s: float) -> float:
     """
     if cutoff_hz <= 0.0:
         return 1.0
-    square = (cutoff_hz * dt_s) ** 2
-    return square / (1.0 + square)
+    x = cutoff_hz * dt_s
+    return x * x / (1.0 + x * x)

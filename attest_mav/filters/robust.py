@@ -5,6 +5,8 @@ standard deviation, beyond a knee c, counts with k / c times its variance. A har
 wrong itself.
 """
 
+from attest_mav.algebra import square
+
 
 def inflation(normalised_residual: float, knee: float) -> float:
     """Factor on a measurement's variance, 1 up to the knee. normalised_residual: its size over its sigma."""
@@ -13,7 +15,7 @@ def inflation(normalised_residual: float, knee: float) -> float:
 
 def variance_on_gate(residual: float, state_variance: float, gate: float) -> float:
     """The measurement variance that puts the residual on the gate (in sigmas); below zero where it lies inside."""
-    return (residual / gate) ** 2 - state_variance
+    return square(residual / gate) - state_variance
 
 
 def averaged_power(power: float, square: float, share: float, largest_step: float, floor: float) -> float:

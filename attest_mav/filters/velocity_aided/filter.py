@@ -12,10 +12,10 @@ ed., chapter 14.
 """
 
 from dataclasses import dataclass, field, replace
-from math import asin, hypot, isfinite, nan, pi
+from math import asin, isfinite, nan, pi, sqrt
 from typing import Final, cast
 
-from attest_mav.algebra import add, clamp, q_continuous, q_exp, q_mul, rotate, scale, sub
+from attest_mav.algebra import add, clamp, norm, q_continuous, q_exp, q_mul, rotate, scale, square, sub
 from attest_mav.filters.base import AttitudeFilter, FilterInputs, FilterState, Start
 from attest_mav.filters.velocity_aided.aids.field import FieldResidual, field_residual
 from attest_mav.filters.velocity_aided.alignment.collect import Alignment, accumulate, new_alignment
@@ -194,14 +194,14 @@ class VelocityAided(AttitudeFilter):
         # One that is only assumed leaves the attitude uncertain along the rotation.
         by_lag = add(rate, scale(acceleration, lag_s))
         lag_x, lag_y, lag_z = scale(rotate(q_nb, by_lag), low_pass.sigma_s)
-        tilt_sigma = hypot(nav.tilt_sigma, reset_sigma, lag_x, lag_y)
+        tilt_variance = square(nav.tilt_sigma) + square(reset_sigma) + square(lag_x) + square(lag_y)
         return VelocityAidedState(
             q_continuous(q_nb, previous),
             nav.gyro_bias,
             navigation.mode == AidingMode.GRAVITY,
             navigation.magnetometer.used,
-            tilt_sigma,
-            hypot(nav.heading_sigma, reset_sigma, lag_z),
+            sqrt(tilt_variance),
+            norm((nav.heading_sigma, reset_sigma, lag_z)),
             None,
             navigation,
             0.0,

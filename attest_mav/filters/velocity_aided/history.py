@@ -70,10 +70,18 @@ def appended(history: DeltaVelocityHistory, t_ns: int, delta_velocity: Vec3) -> 
         return empty_history(t_ns)
     points = history.points
     if not points or history.newest.t_ns - points[-1].t_ns >= SPACING_NS:
-        points = (*points, history.newest)
-        while len(points) > 1 and t_ns - points[1].t_ns > LENGTH_NS:
-            points = points[1:]
+        points = _recent(points, history.newest.t_ns, t_ns - LENGTH_NS) + (history.newest,)  # noqa: RUF005 - one copy less
     return DeltaVelocityHistory(points, HistoryPoint(t_ns, add(history.newest.delta_velocity, delta_velocity)))
+
+
+def _recent(points: tuple[HistoryPoint, ...], newest_ns: int, oldest_ns: int) -> tuple[HistoryPoint, ...]:
+    """The points from the last one before ``oldest_ns``; newest_ns: the time of the point that comes behind them."""
+    if newest_ns < oldest_ns:
+        return ()
+    first = 0
+    while first + 1 < len(points) and points[first + 1].t_ns < oldest_ns:
+        first += 1
+    return points[first:]
 
 
 def look_back(history: DeltaVelocityHistory, t_ns: int) -> Lookback | None:

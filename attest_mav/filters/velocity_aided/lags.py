@@ -16,6 +16,7 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
+from attest_mav.algebra import square
 from attest_mav.filters.velocity_aided.nav_state import NavigationState
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.record import Record
@@ -55,7 +56,7 @@ def nominal_fix_lag_s(origin: VelocityOrigin, parameters: FlightParameters) -> f
 def fix_lag_variance(origin: VelocityOrigin, parameters: FlightParameters) -> float:
     """Variance of that lag, s^2."""
     sigma_s = parameters.fix_delay_sigma if origin == VelocityOrigin.RECEIVER else parameters.own_delay_sigma
-    return sigma_s**2 + parameters.low_pass_delay_sigma**2
+    return square(sigma_s) + square(parameters.low_pass_delay_sigma)
 
 
 def first_lag_covariance(declination_sigma: float, parameters: FlightParameters) -> Mat3:
@@ -77,11 +78,11 @@ def low_pass_delay_by(
 
     A mean is as old as half the interval when a message first shows it, beyond its age when it is new.
     """
-    assumed_s, common = low_pass_delay_s(parameters), parameters.low_pass_delay_sigma**2
+    assumed_s, common = low_pass_delay_s(parameters), square(parameters.low_pass_delay_sigma)
     if common == 0.0:
         return LowPassDelay(assumed_s, 0.0)
     older_s = 0.5 * (min(interval_s, MEAN_INTERVAL_S) - USUAL_INTERVAL_S)
-    share = common / (common + parameters.mag_delay_sigma**2)
+    share = common / (common + square(parameters.mag_delay_sigma))
     lead_s = nominal_mag_lag_s(parameters) + older_s - mag_lag_s
     variance = (1.0 - share) * common + share * share * lag_variance
     return LowPassDelay(max(assumed_s + share * lead_s, 0.0), sqrt(variance))

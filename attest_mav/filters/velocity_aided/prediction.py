@@ -11,7 +11,7 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import add, mat_vec, norm, q_exp, q_mul, q_to_matrix, q_unit, scale, sub
+from attest_mav.algebra import add, mat_vec, norm, q_exp, q_mul, q_to_matrix, q_unit, scale, square, sub
 from attest_mav.filters.velocity_aided.covariance import ProcessNoise, propagated
 from attest_mav.filters.velocity_aided.history import DeltaVelocityHistory, appended, empty_history
 from attest_mav.filters.velocity_aided.nav_state import (
@@ -168,9 +168,19 @@ def _remember(
         dt_s,
         specific_force,
         max(gyro_now, fade * before.gyro_aliasing),
-        (max(abs(x), unseen, fade * held_x), max(abs(y), unseen, fade * held_y), max(abs(z), unseen, fade * held_z)),
+        (
+            _largest(abs(x), unseen, fade * held_x),
+            _largest(abs(y), unseen, fade * held_y),
+            _largest(abs(z), unseen, fade * held_z),
+        ),
         history,
     )
+
+
+def _largest(a: float, b: float, c: float) -> float:
+    """The largest of three: compiled, max() of more than two makes objects of them."""
+    larger = a if a >= b else b
+    return larger if larger >= c else c
 
 
 @mypyc_attr(acyclic=True)
@@ -216,7 +226,7 @@ def _nonlinear_heading_noise(delta_velocity: Vec3, heading_sigma: float, dt_s: f
     """
     if heading_sigma < LOST_HEADING:
         return 0.0
-    across = 0.5 * min(heading_sigma, pi) ** 2
+    across = 0.5 * square(min(heading_sigma, pi))
     x, y, _ = delta_velocity
     return (x * x + y * y) * across * across * HEADING_NOISE_INTERVAL_S / dt_s
 
@@ -232,13 +242,13 @@ def _process_noise(
     """The noise of a step at this rate, rad/s. rotation_dt: body to NED times the step."""
     x, y, z = memory.accel_aliasing
     least = OTHER_AXES**2 * (x * x + y * y + z * z)
-    share = parameters.accel_aliasing**2
+    share = square(parameters.accel_aliasing)
     unseen = (share * max(x * x, least), share * max(y * y, least), share * max(z * z, least))
     return ProcessNoise(
-        (parameters.gyro_noise + parameters.gyro_rate_noise * rate) ** 2 * dt_s
-        + (parameters.gyro_aliasing * memory.gyro_aliasing * dt_s) ** 2,
-        add_diagonal(rotated_diagonal(rotation_dt, unseen), parameters.accel_noise**2 * dt_s + heading_noise),
-        parameters.gyro_bias_walk**2 * dt_s,
-        parameters.accel_bias_walk**2 * dt_s if parameters.accel_bias_sigma > 0.0 else 0.0,
-        parameters.hard_iron_walk**2 * dt_s if parameters.hard_iron > 0.0 else 0.0,
+        square(parameters.gyro_noise + parameters.gyro_rate_noise * rate) * dt_s
+        + square(parameters.gyro_aliasing * memory.gyro_aliasing * dt_s),
+        add_diagonal(rotated_diagonal(rotation_dt, unseen), square(parameters.accel_noise) * dt_s + heading_noise),
+        square(parameters.gyro_bias_walk) * dt_s,
+        square(parameters.accel_bias_walk) * dt_s if parameters.accel_bias_sigma > 0.0 else 0.0,
+        square(parameters.hard_iron_walk) * dt_s if parameters.hard_iron > 0.0 else 0.0,
     )

@@ -9,7 +9,7 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import add, cross, dot, q_to_matrix, rotate, scale, sub
+from attest_mav.algebra import add, cross, dot, q_to_matrix, rotate, scale, square, sub
 from attest_mav.filters.base import FilterInputs
 from attest_mav.filters.velocity_aided.aids.fallback import FallbackUpdate
 from attest_mav.filters.velocity_aided.measurement import Measurement
@@ -70,7 +70,7 @@ def fuse_airspeed(
     nav: NavigationState, wind: Vec3, airspeed: float, since_update_s: float, t_ns: int, parameters: FlightParameters
 ) -> tuple[NavigationState, Innovation]:
     """The state after the three measurements of the velocity through the air. wind: NED, m/s."""
-    update = FallbackUpdate(nav, parameters.speed_noise**2 / since_update_s, estimates_sensors=False)
+    update = FallbackUpdate(nav, square(parameters.speed_noise) / since_update_s, estimates_sensors=False)
     for axis in range(3):
         update.fuse(airspeed_measurement(update.nav, wind, axis, airspeed), airspeed if axis == 0 else 0.0)
     return update.nav, update.innovation(Aid.AIRSPEED, t_ns)

@@ -12,7 +12,7 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import clamp, dot, unit_axis
+from attest_mav.algebra import clamp, dot, square, unit_axis
 from attest_mav.filters.robust import averaged_power, variance_on_gate
 from attest_mav.filters.velocity_aided.history import DeltaVelocityHistory, Lookback, look_back
 from attest_mav.filters.velocity_aided.lags import fix_lag_variance, nominal_fix_lag_s
@@ -136,12 +136,12 @@ def _fuse_axes(
     sigma = clamp(NOISE_FACTOR * sqrt(innovation_power), parameters.velocity_floor, parameters.velocity_ceiling)
     force = past.specific_force
     accel = deadband((force[0], force[1], force[2] + parameters.gravity), DEADBAND_ACCEL)
-    jitter = parameters.fix_jitter_s**2 * dot(accel, accel)
+    jitter = square(parameters.fix_jitter_s) * dot(accel, accel)
     # The receiver knows of some of its errors; it must not count as a contradiction where it says that it is poor.
     reported = 0.0 if fix.sigma is None else fix.sigma * fix.sigma
     variance = max(sigma * sigma, reported) + jitter
     # For the consistency test the noise may not adapt upwards: a wrong attitude would inflate its own test limit.
-    trusted = max(min(sigma, parameters.velocity_sigma) ** 2, reported) + jitter
+    trusted = max(square(min(sigma, parameters.velocity_sigma)), reported) + jitter
     residuals: list[float] = []
     variances: list[float] = []
     fusion = Fusion.USED
@@ -162,13 +162,13 @@ def _after_fix(
     gnss: GnssVelocity, fix: VelocitySample, innovation: Innovation, parameters: FlightParameters
 ) -> GnssVelocity:
     """The memory after a fix that was fused."""
-    square = 0.0
+    mean_square = 0.0
     for residual in innovation.residual:
-        square += residual**2
-    square /= len(innovation.residual)
-    power = averaged_power(gnss.innovation_power, square, POWER_SHARE, POWER_STEP, POWER_FLOOR)
+        mean_square += square(residual)
+    mean_square /= len(innovation.residual)
+    power = averaged_power(gnss.innovation_power, mean_square, POWER_SHARE, POWER_STEP, POWER_FLOOR)
     # However wild, one fix is one contradiction: it takes several in a row to give the attitude up.
-    nis = min(innovation.nis, parameters.velocity_gate**2)
+    nis = min(innovation.nis, square(parameters.velocity_gate))
     return GnssVelocity(fix, 0.0, power, gnss.mean_nis + NIS_SHARE * (nis - gnss.mean_nis), innovation)
 
 

@@ -5,6 +5,7 @@ bias as well, which the update considers. (Levelling by the accelerometer: Grove
 Multisensor Integrated Navigation Systems, 2nd ed., section 5.6.2.)
 """
 
+from attest_mav.algebra import square
 from attest_mav.filters.velocity_aided.aids.fallback import FallbackUpdate
 from attest_mav.filters.velocity_aided.measurement import Measurement
 from attest_mav.filters.velocity_aided.nav_state import NavigationState
@@ -17,7 +18,7 @@ def fuse_gravity(
     nav: NavigationState, specific_force: Vec3, since_update_s: float, t_ns: int, parameters: FlightParameters
 ) -> tuple[NavigationState, Innovation]:
     """The state after two measurements of zero horizontal acceleration. ``specific_force``: NED, m/s^2."""
-    update = FallbackUpdate(nav, parameters.gravity_noise**2 / since_update_s, estimates_sensors=False)
+    update = FallbackUpdate(nav, square(parameters.gravity_noise) / since_update_s, estimates_sensors=False)
     north, east = gravity_measurements(specific_force)
     update.fuse(north, 0.0)
     update.fuse(east, 0.0)

@@ -14,7 +14,7 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import clamp, norm
+from attest_mav.algebra import clamp, norm, square
 from attest_mav.filters.robust import averaged_power, inflation
 from attest_mav.filters.velocity_aided.aids.field import LevelledField
 from attest_mav.filters.velocity_aided.measurement import CrossCovariance
@@ -153,10 +153,11 @@ def fuse_magnetometer(
     agrees = normalised < parameters.mag_gate
     power = magnetometer.innovation_power
     if agrees:
-        power = averaged_power(power, residual**2, POWER_SHARE, POWER_STEP, POWER_FLOOR)
+        power = averaged_power(power, square(residual), POWER_SHARE, POWER_STEP, POWER_FLOOR)
     else:
         disturbance = max(disturbance, abs(residual))
-    variance = nominal * inflation(normalised, parameters.mag_knee) + (parameters.disturbance_weight * disturbance) ** 2
+    inflated = nominal * inflation(normalised, parameters.mag_knee)
+    variance = inflated + square(parameters.disturbance_weight * disturbance)
     return fuse(nav, measurement, cross_cov, variance, estimates_sensors), Magnetometer(
         sample.mag,
         0.0,
@@ -171,7 +172,7 @@ def fuse_magnetometer(
 def _nominal_variance(innovation_power: float, delay_jacobian: float, parameters: FlightParameters) -> float:
     """The variance of a reading that agrees: by the innovations, and by the jitter of its time."""
     sigma = clamp(NOISE_FACTOR * sqrt(innovation_power), parameters.mag_floor, parameters.mag_ceiling)
-    return sigma * sigma + (parameters.mag_jitter_s * delay_jacobian) ** 2
+    return sigma * sigma + square(parameters.mag_jitter_s * delay_jacobian)
 
 
 def _innovation(

@@ -5,7 +5,7 @@ so the assumption may estimate the sensor errors too. (A soft zero-velocity upda
 Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., section 15.3.2.)
 """
 
-from attest_mav.algebra import unit_axis
+from attest_mav.algebra import square, unit_axis
 from attest_mav.filters.velocity_aided.aids.fallback import FallbackUpdate
 from attest_mav.filters.velocity_aided.measurement import Measurement
 from attest_mav.filters.velocity_aided.nav_state import NavigationState
@@ -17,7 +17,7 @@ def fuse_zero_mean_velocity(
     nav: NavigationState, since_update_s: float, t_ns: int, parameters: FlightParameters
 ) -> tuple[NavigationState, Innovation]:
     """The state after three measurements of zero velocity."""
-    update = FallbackUpdate(nav, parameters.place_noise**2 / since_update_s, estimates_sensors=True)
+    update = FallbackUpdate(nav, square(parameters.place_noise) / since_update_s, estimates_sensors=True)
     for axis in range(3):
         update.fuse(Measurement(-update.nav.velocity[axis], v=unit_axis(axis)), 0.0)
     return update.nav, update.innovation(Aid.ZERO_MEAN_VELOCITY, t_ns)

@@ -9,7 +9,7 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import add, norm, scale, sub, unit_axis
+from attest_mav.algebra import add, norm, scale, square, sub, unit_axis
 from attest_mav.filters.stationary import MAX_GYRO_BIAS, StillnessLimits, is_near
 from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
 from attest_mav.filters.velocity_aided.measurement import Measurement
@@ -117,7 +117,7 @@ def fuse_zero_motion(
     """
     if not stationary.is_stationary or stationary.since_update_s < SPACING_S:
         return nav, stationary
-    floor = parameters.rest_floor**2
+    floor = square(parameters.rest_floor)
     if norm(stationary.mean_gyro) < READS_ZERO or not has_velocity:
         nav = nav.with_variance_floor(ErrorBlock.GYRO_BIAS, floor)
     if has_velocity:
