@@ -1,8 +1,10 @@
 """The Earth's magnetic field at a place and date, by the World Magnetic Model."""
 
+import sys
 from dataclasses import dataclass
+from importlib.util import find_spec, module_from_spec
 from math import radians
-from typing import Final
+from typing import Any, Final
 
 from attest_mav.types import EarthField
 
@@ -58,15 +60,34 @@ def simulated_field_at(latitude_deg: float, longitude_deg: float) -> LocalField 
 
     Its world has the field of a coarse table, of one year, that pymavlink carries too: up to a degree from the model's.
     """
-    # Its other half would import pymavlink's mavutil, but only when called.
-    from pymavlink.mavextra import get_mag_field_ef  # noqa: PLC0415
-
-    found = get_mag_field_ef(latitude_deg, longitude_deg)
+    found = _simulator_table().get_mag_field_ef(latitude_deg, longitude_deg)
     if found is None:
         return None
     declination_deg, inclination_deg, _ = found
     place = f"{latitude_deg:.3f}, {longitude_deg:.3f}"
     return LocalField(declination_deg, inclination_deg, f"the table of ArduPilot's simulator at {place}")
+
+
+def _simulator_table() -> Any:
+    """A copy of pymavlink's module of that table, for one call.
+
+    The module does without pymavlink's quaternions where there is no numpy. They are withheld here unless they are
+    loaded already: the table needs none, and numpy takes 100 ms. The copy is nobody else's, who may want them.
+    """
+    spec = find_spec("pymavlink.mavextra")
+    if spec is None or spec.loader is None:
+        raise ModuleNotFoundError("pymavlink.mavextra")
+    module = module_from_spec(spec)
+    quaternions = "pymavlink.quaternion"
+    is_withheld = quaternions not in sys.modules
+    if is_withheld:
+        sys.modules[quaternions] = None  # type: ignore[assignment]  # Python's way to say that it is not there
+    try:
+        spec.loader.exec_module(module)
+    finally:
+        if is_withheld:
+            del sys.modules[quaternions]
+    return module
 
 
 def _model_year(year: float) -> tuple[float, str]:

@@ -1,6 +1,10 @@
-import pytest
+import subprocess
+import sys
 
-from attest_mav.earth_field import SECONDS_PER_YEAR, field_at
+import pytest
+from pymavlink import mavextra
+
+from attest_mav.earth_field import SECONDS_PER_YEAR, field_at, simulated_field_at
 
 
 def unix_s(year):
@@ -50,3 +54,24 @@ def test_the_dip_is_that_of_the_published_test_values():
 def test_the_poles_have_an_answer():
     for latitude in (90.0, -90.0):
         assert -180.0 <= field_at(latitude, 0.0, 0.0, unix_s(2024.0)).declination_deg <= 180.0
+
+
+def test_the_simulators_table_is_pymavlinks():
+    for place in ((51.873, 0.171), (-35.36, 149.17), (0.0, 0.0), (59.9, 179.9)):
+        found, expected = simulated_field_at(*place), mavextra.get_mag_field_ef(*place)
+        assert (found.declination_deg, found.inclination_deg) == tuple(expected[:2])
+    assert simulated_field_at(90.0, 0.0) is None
+
+
+WITHOUT_NUMPY = """
+import sys
+from attest_mav.earth_field import simulated_field_at
+
+assert simulated_field_at(51.873, 0.171) is not None
+assert "numpy" not in sys.modules
+from pymavlink.mavextra import Quaternion
+"""
+
+
+def test_the_simulators_table_loads_no_numpy_and_leaves_pymavlink_whole():
+    subprocess.run([sys.executable, "-P", "-c", WITHOUT_NUMPY], check=True)

@@ -1,14 +1,16 @@
 """``attest-mav``: the command group. Each command lives in a module of its own and is imported when it is used."""
 
+import atexit
 import errno
+import gc
 import sys
 from importlib import import_module
 from typing import Final
 
 import click
 
+from attest_mav.cli.collector import seldom_collected
 from attest_mav.cli.version import version_text
-from attest_mav.config.text import printable
 from attest_mav.errors import AttestMavError, UnwritableError
 from attest_mav.runtime.files import give_up_stdout
 
@@ -45,7 +47,8 @@ class LazyGroup(click.Group):
         """The command of that name, or None."""
         if cmd_name not in COMMANDS:
             return None
-        command = import_module(f"attest_mav.cli.{cmd_name}").command
+        with seldom_collected():
+            command = import_module(f"attest_mav.cli.{cmd_name}").command
         if not isinstance(command, click.Command):
             raise TypeError(f"attest_mav.cli.{cmd_name}.command is not a click command")
         return command
@@ -89,6 +92,7 @@ def main() -> None:
             raise
         give_up_stdout()
         code = report(UnwritableError(f"cannot write standard output: {error.strerror}"))
+    atexit.register(gc.freeze)  # what is left goes with the process: no search for cycles in it
     sys.exit(code)
 
 
@@ -107,5 +111,7 @@ def run(arguments: list[str]) -> int:
 
 def report(error: AttestMavError) -> int:
     """Print the error in one line; the exit code."""
+    from attest_mav.config.text import printable  # noqa: PLC0415 (costs 15 ms)
+
     click.echo(f"attest-mav: error: {printable(str(error))}", err=True)
     return error.exit_code

@@ -7,6 +7,7 @@ from math import inf
 
 import click
 
+from attest_mav.cli.collector import seldom_collected
 from attest_mav.cli.replay_options import (
     AUTO,
     check_cluster,
@@ -191,6 +192,7 @@ def command(
     check_workers(workers, is_alone)
     showing = Showing(tuple(parse_limit(text) for text in limits), json_lines, len(paths) > MANY)
     with ExitStack() as stack:
+        stack.enter_context(seldom_collected())
         written = stack.enter_context(tables(csv_path, parquet_path))
         annotated = None if tlog_path is None else stack.enter_context(atomic_write(tlog_path))
         page = None if report_path is None else stack.enter_context(report_file(report_path))

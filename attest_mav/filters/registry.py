@@ -1,12 +1,8 @@
-"""The filters by the names users type."""
+"""The filters by the names users type. Each is loaded when it is first made."""
 
 from attest_mav.errors import UsageError
 from attest_mav.filters.base import AttitudeFilter
-from attest_mav.filters.gradient_descent.filter import GradientDescent
-from attest_mav.filters.leveling.filter import Leveling
 from attest_mav.filters.own import own_filter
-from attest_mav.filters.robust_adaptive.filter import RobustAdaptive
-from attest_mav.filters.velocity_aided.filter import VelocityAided
 
 
 def filter_names() -> tuple[str, ...]:
@@ -20,12 +16,20 @@ def default_filter(name: str) -> AttitudeFilter:
     UsageError lists the names if there is none.
     """
     if name == "gradient-descent":
+        from attest_mav.filters.gradient_descent.filter import GradientDescent  # noqa: PLC0415
+
         return GradientDescent()
     if name == "robust-adaptive":
+        from attest_mav.filters.robust_adaptive.filter import RobustAdaptive  # noqa: PLC0415
+
         return RobustAdaptive()
     if name == "leveling":
+        from attest_mav.filters.leveling.filter import Leveling  # noqa: PLC0415
+
         return Leveling()
     if name == "velocity-aided":
+        from attest_mav.filters.velocity_aided.filter import VelocityAided  # noqa: PLC0415
+
         return VelocityAided()
     if ":" in name:
         return own_filter(name, {})
