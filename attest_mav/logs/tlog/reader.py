@@ -17,13 +17,19 @@ class TlogReader:
     ``wanted`` holds the message ids to return; None returns all. The frames come in order, with ``rx_ns`` from the log
     and ``offset`` in it: ``buffer[frame.offset : frame.offset + frame.size]`` is the raw frame. The counters fill
     during the iteration; a reader is read once. ``bare``: the buffer is a stream of frames without times.
+    ``intact``: it is known to hold nothing but intact frames.
     """
 
     def __init__(
-        self, buffer: LogBytes, dialect: Dialect, wanted: frozenset[int] | None = None, bare: bool = False
+        self,
+        buffer: LogBytes,
+        dialect: Dialect,
+        wanted: frozenset[int] | None = None,
+        bare: bool = False,
+        intact: bool = False,
     ) -> None:
         self._buffer: Final = buffer
-        self._walker: Final = TlogWalker(dialect, wanted, bare)
+        self._walker: Final = TlogWalker(dialect, wanted, bare, intact)
 
     def batches(self) -> Iterator[list[Frame]]:
         """The wanted frames, those of one stretch of the log at a time."""

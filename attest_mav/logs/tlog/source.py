@@ -70,7 +70,8 @@ class MavlinkSource:
         self._decoder = self._decoder_for(plan)
         wanted = frozenset(self._dialect.id_of(name) for name in plan.messages.union(AIDING, FRAME, SELF_REPORTS))
         self._repairs = self._repairs_for(plan)
-        reader = TlogReader(self._data, self._dialect, wanted, self._bare)
+        is_intact = self._survey is not None and self._survey.counter.is_intact
+        reader = TlogReader(self._data, self._dialect, wanted, self._bare, is_intact)
         for frames in reader.batches():
             for start in range(0, len(frames), BATCH_FRAMES):
                 yield self._decoded(frames[start : start + BATCH_FRAMES], plan)

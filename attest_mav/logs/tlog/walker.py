@@ -10,7 +10,6 @@ A bare stream has no times. A frame of it gets the newest time since boot that i
 that compares arrivals goes by the sensor's clock.
 """
 
-from struct import Struct
 from typing import Final
 
 from mypy_extensions import i64
@@ -24,8 +23,6 @@ STAMP_BYTES: Final = 8
 MARGIN: Final = 2048
 """More than the longest stretch that deciding on one frame looks ahead: five records of 288 bytes."""
 
-_BIG_ENDIAN: Final = Struct(">Q")
-
 _LATEST_SECOND_BYTE: Final = 0x20
 """No time from 2**53 us (the year 2255) on is believed; this also keeps nanoseconds within 64 bits."""
 
@@ -34,15 +31,22 @@ _MAX_STEP_US: Final = 10_000_000
 
 
 class TlogWalker(Walker):
-    """The frames of a tlog, from windows of it; ``bare``: those of a stream without times."""
+    """The frames of a tlog, from windows of it; ``bare``: those of a stream without times. intact: as in ``Walker``."""
 
-    def __init__(self, dialect: Dialect, wanted: frozenset[int] | None, bare: bool = False) -> None:
-        super().__init__(dialect, wanted, 0 if bare else STAMP_BYTES, looks_behind=True)
+    def __init__(
+        self, dialect: Dialect, wanted: frozenset[int] | None, bare: bool = False, intact: bool = False
+    ) -> None:
+        super().__init__(dialect, wanted, 0 if bare else STAMP_BYTES, looks_behind=True, intact=intact)
         self.bare: Final = bare
         self._boot_clock: Final = NewestBootTime(dialect) if bare else None
         self.bad_stamps: i64 = 0
         """Times that were not believed."""
         self._last_us: i64 = -1
+
+    @property
+    def is_intact(self) -> bool:
+        """Whether all bytes so far belong to one intact frame each, with an id that the dialect knows."""
+        return self.bad_bytes == 0 and self.unknown == 0 and self.shared == 0
 
     @property
     def position(self) -> int:
@@ -79,7 +83,11 @@ class TlogWalker(Walker):
         data = self._data
         if data[frame_at - 8] > 0 or data[frame_at - 7] >= _LATEST_SECOND_BYTE:
             return -1
-        stamp: i64 = _BIG_ENDIAN.unpack_from(data, frame_at - STAMP_BYTES)[0]
+        stamp: i64 = 0
+        place = frame_at - 7
+        while place < frame_at:
+            stamp = (stamp << 8) | data[place]
+            place += 1
         return stamp
 
     def _confirmed(self, stamp: i64, size: i64) -> bool:

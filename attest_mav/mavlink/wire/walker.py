@@ -54,7 +54,9 @@ class Walker:
 
     Counters over everything walked: frames (intact, wanted or not), bad_bytes (in no frame), bad_crc (candidates with
     a known id whose checksum does not fit), unknown (frames with unknown ids passed over), lost (frames missing by
-    their senders' sequence numbers; late and repeated ones are not), refused (by the acceptance check; not in lost).
+    their senders' sequence numbers; late and repeated ones are not), refused (by the acceptance check; not in lost),
+    shared (frames that begin inside the one before). intact: a walk before has shown that every byte belongs to one
+    intact frame, so that checksums, and what is behind a frame, are not looked at again.
     """
 
     def __init__(
@@ -64,6 +66,7 @@ class Walker:
         lead: int,
         looks_behind: bool,
         accepts: AcceptanceCheck | None = None,
+        intact: bool = False,
     ) -> None:
         self.dialect: Final = dialect
         self.wanted: Final = wanted
@@ -72,10 +75,11 @@ class Walker:
         self.bad_crc: i64 = 0
         self.unknown: i64 = 0
         self.refused: i64 = 0
+        self.shared: i64 = 0
         self._accepts: Final = accepts
         self._lead: i64 = lead
-        self._looks_behind: Final = looks_behind
-        self._candidates: Final = Candidates(dialect)
+        self._looks_behind: Final = looks_behind and not intact
+        self._candidates: Final = Candidates(dialect, intact)
         self._is_wanted: Final = dialect.flags(wanted)
         self._sequences: Final = Sequences()
         self._data = b""
@@ -166,6 +170,7 @@ class Walker:
 
     def _take_shared(self) -> None:
         """Take the frame that begins inside the one before the present place."""
+        self.shared += 1
         self._place, self._shared_at = self._shared_at, -1
         self._take(self._candidates.at(self._place))
 

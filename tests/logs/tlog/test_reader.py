@@ -10,7 +10,10 @@ import pytest
 from pymavlink import mavutil
 
 from attest_mav.logs.tlog.reader import TlogReader, tlog_record
+from attest_mav.logs.tlog.source import TlogSource
 from attest_mav.logs.tlog.walker import MARGIN, TlogWalker
+from attest_mav.replay.plan import make_plan
+from attest_mav.samples import ImuSample
 
 TOTALS = {
     "sitl/copter_square.tlog": 158210,
@@ -214,3 +217,36 @@ def test_memory_does_not_grow_with_the_log(dialect, copter_start, copter_start_r
             tracemalloc.stop()
 
     assert peak(10) < 1.2 * peak(5)
+
+
+def test_intact_frames_are_the_same_without_their_checksums(dialect, copter_start):
+    checked = TlogReader(copter_start, dialect)
+    frames = raw(copter_start, checked)
+    assert checked.bad_bytes == checked.unknown == 0
+    taken = TlogReader(copter_start, dialect, intact=True)
+    assert raw(copter_start, taken) == frames
+    assert (taken.frames, taken.bad_bytes, taken.lost) == (checked.frames, 0, checked.lost)
+
+
+def test_bytes_that_change_behind_the_reader_end_as_frames_or_as_bad_bytes(dialect, copter_start):
+    rng = random.Random(5)
+    log = bytearray(copter_start[:60_000])
+    for _ in range(2000):
+        log[rng.randrange(len(log))] = rng.choice((0xFD, 0xFE, rng.randrange(256)))
+    reader = TlogReader(bytes(log), dialect, intact=True)
+    covered = sum(frame.size for frame in reader)
+    assert 0 < covered <= len(log)
+    assert reader.bad_bytes > 0
+
+
+@pytest.mark.parametrize("is_damaged", [False, True])
+def test_one_damaged_frame_has_the_second_pass_check_all(dialect, copter_start, is_damaged):
+    imu = dialect.id_of("RAW_IMU")
+    place = next(frame.offset for frame in TlogReader(copter_start, dialect, frozenset([imu]))) + 12
+    log = copter_start[:place] + bytes([copter_start[place] ^ is_damaged]) + copter_start[place + 1 :]
+    source = TlogSource(log, dialect)
+    summary = source.summary()
+    assert (summary.bad_bytes > 0) == is_damaged
+    plan = make_plan(summary, "RAW_IMU", None)
+    count = sum(isinstance(one, ImuSample) for batch in source.samples(plan) for one in batch.samples)
+    assert count == summary.vehicles[plan.vehicle].counts["RAW_IMU"]
