@@ -17,9 +17,14 @@ def square(x: float) -> float:
     return x * x
 
 
-def is_number(x: float) -> bool:
+def is_finite_number(x: float) -> bool:
     """True when x is neither NaN nor infinite: compiled, ``math.isfinite`` makes an object of its argument."""
     return x - x == 0.0
+
+
+def hypotenuse(a: float, b: float) -> float:
+    """sqrt(a^2 + b^2), for sizes whose squares are numbers too."""
+    return sqrt(a * a + b * b)
 
 
 # --- vectors -------------------------------------------------------------------------------------------------------
@@ -67,7 +72,7 @@ def unit_axis(axis: int) -> Vec3:
 
 def is_finite(a: Vec3) -> bool:
     """True when no component is NaN or infinite."""
-    return is_number(a[0] + a[1] + a[2])
+    return is_finite_number(a[0] + a[1] + a[2])
 
 
 # --- angles --------------------------------------------------------------------------------------------------------

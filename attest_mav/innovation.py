@@ -104,5 +104,5 @@ class Innovation(Record):
             return nan
         total = 0.0
         for residual, variance in zip(self.residual, self.variance, strict=True):
-            total += residual**2 / variance / count
+            total += residual * residual / variance / count
         return total

@@ -55,9 +55,12 @@ class AttitudeCheck:
         """Judge an attitude that the autopilot flies by; others tell nothing."""
         if sample.role != AttitudeRole.AUTOPILOT:
             return []
-        source = self._sources.setdefault(sample.source, _Source(sample.form))
+        source = self._sources.get(sample.source)
+        if source is None:
+            source = self._sources[sample.source] = _Source(sample.form)
         source.rx_ns = sample.rx_ns
-        if self.verdict is None or self.verdict.source in {"", sample.source}:
+        verdict = self.verdict
+        if verdict is None or not verdict.source or verdict.source == sample.source:
             self.attitude = sample
         return self._chosen(self.judge.judge(sample))
 
@@ -116,6 +119,9 @@ class AttitudeCheck:
         if source is None:
             return False
         source.verdict = verdict
+        if len(self._sources) == 1:
+            self.verdict = verdict
+            return True
         accusers = [
             name
             for name, one in self._sources.items()

@@ -3,10 +3,12 @@
 Tilt and heading are compared apart, never as Euler differences.
 """
 
-from math import hypot, isfinite, nan
+from math import nan
 from typing import Final
 
-from attest_mav.algebra import heading_between, tilt_between
+from mypy_extensions import mypyc_attr
+
+from attest_mav.algebra import heading_between, hypotenuse, is_finite_number, tilt_between
 from attest_mav.estimation.pairing import Carried
 from attest_mav.types import North, Quat
 
@@ -19,6 +21,7 @@ SLOW_TILT_SIGMAS: Final = 3.0
 """The same for the tilt beside such samples, where its error too lasts longer than a verdict takes."""
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class Member:
     """One attitude that is not refuted, as it stands beside the selected estimate.
 
@@ -31,6 +34,7 @@ class Member:
         self.heading_sigma: Final = heading_sigma
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class Difference:
     """The autopilot's attitude beside one of ours.
 
@@ -74,4 +78,4 @@ def difference_of(
 
 def _limit(threshold: float, uncertainty: float, slack: float) -> float:
     """The larger of threshold and uncertainty; a filter without covariance (NaN) has the threshold alone."""
-    return hypot(max(threshold, uncertainty), slack) if isfinite(uncertainty) else hypot(threshold, slack)
+    return hypotenuse(max(threshold, uncertainty) if is_finite_number(uncertainty) else threshold, slack)

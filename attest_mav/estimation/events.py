@@ -3,6 +3,8 @@
 from enum import IntEnum
 from typing import Final
 
+from mypy_extensions import mypyc_attr
+
 from attest_mav.estimate import Estimate
 
 
@@ -43,6 +45,7 @@ class LaneEventKind(IntEnum):
     """They come in time again."""
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class LaneEvent:
     """Something a person may want to know about a lane. ``text`` is one line for the log."""
 
@@ -62,6 +65,7 @@ class Agreement(IntEnum):
     DISAGREE = 2
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class Verdict:
     """Whether the autopilot's attitude agrees with ours, and the reason.
 

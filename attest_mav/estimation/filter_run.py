@@ -1,8 +1,8 @@
 """The filter of a lane, with its state and its last output."""
 
-from math import atan2, isfinite
+from math import atan2
 
-from attest_mav.algebra import q_continuous, q_heading, q_mul, q_to_euler, rotate, sub
+from attest_mav.algebra import is_finite_number, q_continuous, q_heading, q_mul, q_to_euler, rotate, sub
 from attest_mav.estimate import Estimate
 from attest_mav.filters.base import AttitudeFilter, FilterState, Start
 from attest_mav.samples import ImuSample
@@ -62,7 +62,7 @@ class FilterRun:
     ) -> Estimate:
         """The estimate of the state at this sample; the heading is true once the declination (rad) is known."""
         q_nb, north = state.q_nb, self.north
-        if north == North.MAGNETIC and isfinite(declination):
+        if north == North.MAGNETIC and is_finite_number(declination):
             q_nb, north = q_mul(q_heading(declination), q_nb), North.TRUE
         self.output = q_continuous(q_nb, self.output)
         rates = sub(sample.gyro, state.gyro_bias)

@@ -5,9 +5,10 @@ in a mode that flies both ways, no message tells.
 """
 
 from enum import IntEnum
-from math import isfinite, pi, radians
+from math import pi, radians
 from typing import Final
 
+from attest_mav.algebra import is_finite_number
 from attest_mav.estimation.vehicle import Vehicle
 from attest_mav.types import VehicleKind
 from attest_mav.vehicle_settings import Setting
@@ -65,12 +66,12 @@ def _hovers(vehicle: Vehicle) -> bool:
     if vehicle.kind != VehicleKind.WING:
         return False
     told = vehicle.settings.get(Setting.HOVERS)
-    return told != 0.0 if isfinite(told) else vehicle.vehicle_type in VTOL_TYPES
+    return told != 0.0 if is_finite_number(told) else vehicle.vehicle_type in VTOL_TYPES
 
 
 def _is_tailsitter(vehicle: Vehicle) -> bool:
     settings = vehicle.settings
     told = settings.get(Setting.TAILSITTER)
-    if isfinite(told) and told != 0.0:
+    if is_finite_number(told) and told != 0.0:
         return True
     return settings.get(Setting.HOVER_FRAME) == TAILSITTER_FRAME or vehicle.vehicle_type in TAILSITTER_TYPES

@@ -8,6 +8,8 @@ from enum import Enum
 from math import degrees, radians
 from typing import Final
 
+from mypy_extensions import mypyc_attr
+
 from attest_mav.algebra import q_from_euler, q_to_euler
 from attest_mav.estimation.body_frames import (
     ARDUPILOT,
@@ -32,6 +34,7 @@ MAX_PAST: Final = 8
 """Changes that are remembered for notes."""
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class _Removed:
     """The angles that were taken off an attitude: the trim, and a pitch by its name; rad."""
 

@@ -1,9 +1,8 @@
 """One lane: one inertial sensor with its time base, its alignment and its filter."""
 
-from math import isfinite
 from typing import Final
 
-from attest_mav.algebra import norm, q_norm
+from attest_mav.algebra import is_finite_number, norm, q_norm
 from attest_mav.estimation.alignment import Aligner, ecompass
 from attest_mav.estimation.arrivals import Arrivals
 from attest_mav.estimation.delay import DelayMeter
@@ -204,11 +203,11 @@ class Lane:
             return
         if not self._aligned and not run.filter.aligns_itself:
             return
-        inputs = self._inputs.give(sample, run.output, run.north, missing)
+        inputs = self._inputs.give(sample, run.output, run.north, missing, run.filter.uses_body_velocity)
         state = self._stepper.step(run.filter, run.state, dt_s, sample, inputs)
         run.state = state
         length = q_norm(state.q_nb)
-        if not isfinite(length) or length < 0.5:
+        if not is_finite_number(length) or length < 0.5:
             run.state = None
             self._restart(sample, events, LaneEventKind.RESTARTED, f"{run.filter.name} failed: aligning again")
             return

@@ -83,21 +83,16 @@ class LaneInputs:
         """
         return self._sensors.quiet and self._vehicle.stands is True
 
-    def give(self, sample: ImuSample, q_nb: Quat, north: North, samples_missing: bool = False) -> FilterInputs:
+    def give(
+        self, sample: ImuSample, q_nb: Quat, north: North, samples_missing: bool = False, body_velocity: bool = True
+    ) -> FilterInputs:
         """The inputs at this sample for a filter that holds this attitude; a speed is new once.
 
-        samples_missing: see ``FilterInputs``.
+        samples_missing: see ``FilterInputs``. body_velocity: whether the filter uses it.
         """
         vehicle, now_ns = self._vehicle, sample.rx_ns
-        moving = vehicle.body_velocity(now_ns, q_nb, north)
-        body_velocity: BodyVelocity | None = None
-        if moving is not None:
-            v = moving.velocity
-            is_new = moving.sample is not self._speed_given
-            body_velocity = BodyVelocity(v.forward, v.side, v.down, v.lateral_known, is_new)
-            self._speed_given = moving.sample
         return FilterInputs(
-            body_velocity,
+            self._body_velocity(now_ns, q_nb, north) if body_velocity else None,
             self.stationary,
             vehicle.latitude,
             vehicle.field.declination,
@@ -109,6 +104,16 @@ class LaneInputs:
             vehicle.zero_mean_velocity(now_ns),
             samples_missing,
         )
+
+    def _body_velocity(self, now_ns: int, q_nb: Quat, north: North) -> BodyVelocity | None:
+        """The velocity in the body, None while none is fresh or known."""
+        moving = self._vehicle.body_velocity(now_ns, q_nb, north)
+        if moving is None:
+            return None
+        v = moving.velocity
+        is_new = moving.sample is not self._speed_given
+        self._speed_given = moving.sample
+        return BodyVelocity(v.forward, v.side, v.down, v.lateral_known, is_new)
 
     def _velocity(self, now_ns: int) -> VelocitySample | None:
         """The velocity for the flight filter. One that moves is withheld from a vehicle that stands on the ground.

@@ -59,6 +59,8 @@ class Pairing:
         kept.append(estimate)
         while len(kept) > 2 and (len(kept) > MAX_KEPT or estimate.t_ns - kept[1].t_ns > KEPT_NS):
             kept.popleft()
+        if not self._waiting:
+            return []
         ready = [one for one in self._waiting if not self._is_ahead(one, estimate)]
         self._waiting = deque(one for one in self._waiting if self._is_ahead(one, estimate))
         return ready

@@ -7,6 +7,8 @@ text about lanes and sensors. ``remarks`` puts into words what is bad by the aut
 from math import degrees, radians
 from typing import Final
 
+from mypy_extensions import mypyc_attr
+
 from attest_mav.algebra import q_exp, q_mul, scale, tilt_between
 from attest_mav.samples import AttitudeSample, Sample
 from attest_mav.types import AttitudeForm, AttitudeRole
@@ -24,12 +26,26 @@ INCONSISTENT: Final = radians(10.0)
 """Tilt between two attitudes of one autopilot: ArduPilot's own limit before arming."""
 
 
-class _SecondTilt:
-    """The tilt between a secondary attitude and the one that the autopilot flies by, rad, at a time of reception."""
+@mypyc_attr(acyclic=True)  # as Sample
+class _SecondAttitude:
+    """A secondary attitude beside the one that the autopilot flies by."""
 
-    def __init__(self, tilt: float, rx_ns: int) -> None:
-        self.tilt: Final = tilt
-        self.rx_ns: Final = rx_ns
+    def __init__(self, own: AttitudeSample, other: AttitudeSample) -> None:
+        self._own: Final = own
+        self._other: Final = other
+
+    @property
+    def rx_ns(self) -> int:
+        """Time of its reception, ns."""
+        return self._other.rx_ns
+
+    @property
+    def tilt(self) -> float:
+        """The tilt between both, rad."""
+        own, other = self._own, self._other
+        rates = (0.0, 0.0, 0.0) if own.rates is None else own.rates
+        apart_s = (other.rx_ns - own.rx_ns) * 1e-9
+        return tilt_between(q_mul(own.q_nb, q_exp(scale(rates, 0.5 * apart_s))), other.q_nb)
 
 
 class SelfReport:
@@ -40,7 +56,7 @@ class SelfReport:
         self.health: SensorHealthSample | None = None
         self.news: EstimatorNewsSample | None = None
         self._own: AttitudeSample | None = None
-        self._others: Final[dict[str, _SecondTilt]] = {}
+        self._others: Final[dict[str, _SecondAttitude]] = {}
 
     def take(self, sample: Sample) -> None:
         """Remember a sample that tells something of the autopilot itself; others are ignored."""
@@ -63,10 +79,7 @@ class SelfReport:
         own = self._own
         if sample.role != AttitudeRole.SECONDARY or own is None or abs(sample.rx_ns - own.rx_ns) > SAME_NS:
             return
-        apart_s = (sample.rx_ns - own.rx_ns) * 1e-9
-        rates = (0.0, 0.0, 0.0) if own.rates is None else own.rates
-        carried = q_mul(own.q_nb, q_exp(scale(rates, 0.5 * apart_s)))
-        self._others[sample.source] = _SecondTilt(tilt_between(carried, sample.q_nb), sample.rx_ns)
+        self._others[sample.source] = _SecondAttitude(own, sample)
 
     def _take_news(self, sample: EstimatorNewsSample) -> None:
         """Keep the newest text, but of several on one matter the first."""

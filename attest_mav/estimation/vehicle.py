@@ -7,10 +7,10 @@ otherwise: GLOBAL_POSITION_INT comes out of the estimator under judgement, and s
 """
 
 from dataclasses import dataclass
-from math import isfinite, nan, pi
+from math import nan, pi
 from typing import Final
 
-from attest_mav.algebra import norm, rotate_back
+from attest_mav.algebra import is_finite_number, norm, rotate_back
 from attest_mav.estimation.clock_offset import ClockOffset
 from attest_mav.estimation.self_report import SelfReport
 from attest_mav.filters.base import Airspeed, BodyVelocity
@@ -152,7 +152,7 @@ class Vehicle:
         """The vehicle's own word: True when it stands, False when it moves or may move, None when it says nothing."""
         if self.on_ground:
             return True
-        if isfinite(self._speed):
+        if is_finite_number(self._speed):
             return self._speed <= STANDING_SPEED
         return None if self.armed is None else not self.armed
 
@@ -177,7 +177,7 @@ class Vehicle:
     def airspeed(self, now_ns: int) -> Airspeed | None:
         """The airspeed, None while none is fresh or known."""
         air = self._air_data(now_ns)
-        if air is None or not isfinite(air.airspeed):
+        if air is None or not is_finite_number(air.airspeed):
             return None
         return Airspeed(air.airspeed, air.airspeed_source)
 
@@ -198,7 +198,7 @@ class Vehicle:
             return None
         air = self._air_data(now_ns)
         v_ned = velocity.v_ned
-        if not velocity.vertical_known and air is not None and isfinite(air.climb):
+        if not velocity.vertical_known and air is not None and is_finite_number(air.climb):
             v_ned = (v_ned[0], v_ned[1], -air.climb)
         forward, side, down = rotate_back(q_nb, v_ned)
         return MovingBody(velocity, BodyVelocity(forward, side, down))
@@ -209,7 +209,7 @@ class Vehicle:
         if air is None:
             return None
         speed = air.airspeed if through_air else air.groundspeed
-        if not isfinite(speed):
+        if not is_finite_number(speed):
             return None
         known = self.kind in (VehicleKind.WING, VehicleKind.SURFACE)
         return MovingBody(air, BodyVelocity(speed, lateral_known=known))

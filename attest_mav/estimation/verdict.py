@@ -12,10 +12,10 @@ rest, with the reason.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite, nan, radians
+from math import nan, radians
 from typing import Final
 
-from attest_mav.algebra import q_conj, q_mul
+from attest_mav.algebra import is_finite_number, q_conj, q_mul
 from attest_mav.estimate import Estimate
 from attest_mav.estimation.difference import SLOW_S, Difference, Member, difference_of
 from attest_mav.estimation.events import Agreement, Verdict
@@ -149,7 +149,7 @@ class Judge:
         theirs = sample.q_nb if sample.frame_known else source.offset.undone(sample)
         differences = self._differences(carried, theirs, source.disagrees)
         agree = differences[0].is_near and not (differences[0].is_off or self._doubts)
-        if agree and isfinite(differences[0].heading):
+        if agree and is_finite_number(differences[0].heading):
             source.field.note_agreement()
         if self._field is not None:
             source.field.take(self._field, q_mul(theirs, q_conj(carried.q_nb)), agree)
@@ -210,7 +210,7 @@ class Judge:
 
 def _blind(estimate: Estimate) -> bool:
     """True for a filter that knows no sigma beside samples that are too slow to follow motion."""
-    return not isfinite(estimate.tilt_sigma) and estimate.dt_s > SLOW_S
+    return not is_finite_number(estimate.tilt_sigma) and estimate.dt_s > SLOW_S
 
 
 def _doubt(estimate: Estimate, reason: str) -> str:

@@ -207,6 +207,11 @@ class AttitudeFilter(Record):
         return False
 
     @property
+    def uses_body_velocity(self) -> bool:
+        """False if the filter has no use for ``FilterInputs.body_velocity``, which is then left out."""
+        return True
+
+    @property
     def default_settings(self) -> VehicleSettings:
         """The vehicle's settings that the filter uses while they are not known; NaN for those it does not ask for."""
         return VehicleSettings()

@@ -8,9 +8,10 @@ are correlated in time, so a short log shows few independent ones. The mean NIS 
 smaller if the filter allows for correlated errors.
 """
 
-from math import isfinite, sqrt
+from math import sqrt
 from typing import Final
 
+from attest_mav.algebra import is_finite_number
 from attest_mav.innovation import Aid, Innovation
 
 
@@ -26,9 +27,10 @@ class SigmaCount:
 
     def add(self, error: float, sigma: float) -> None:
         """Take an error with its sigma, in one unit. A sigma that is not finite and positive is ignored."""
-        if not (isfinite(sigma) and sigma > 0.0):
+        if not (is_finite_number(sigma) and sigma > 0.0):
             return
-        square = (error / sigma) ** 2
+        ratio = error / sigma
+        square = ratio * ratio
         self.samples += 1
         self._square_sum += square
         if square <= 9.0:
@@ -59,7 +61,7 @@ class NisMean:
 
     def add(self, nis: float) -> None:
         """Take the NIS of a step."""
-        if isfinite(nis):
+        if is_finite_number(nis):
             self.count += 1
             self._sum += nis
 
@@ -84,7 +86,7 @@ class Consistency:
 
     def take_step(self, tilt_sigma: float, innovations: tuple[Innovation, ...]) -> None:
         """Take the tilt sigma (rad) and the innovations of a step."""
-        if isfinite(tilt_sigma):
+        if is_finite_number(tilt_sigma):
             self.has_sigma = True
         for innovation in innovations:
             if innovation.aid == Aid.VELOCITY:

@@ -7,9 +7,10 @@ landing.
 from array import array
 from bisect import bisect_right
 from enum import IntEnum
-from math import exp, hypot
+from math import exp
 from typing import Final
 
+from attest_mav.algebra import hypotenuse
 from attest_mav.samples import AirDataSample, Sample, VelocitySample
 from attest_mav.types import VelocityOrigin
 from attest_mav.vehicle_reports import HeartbeatSample, LandedSample
@@ -60,6 +61,7 @@ class FlightPhases:
         self._rate_s = 0.0
         self._begins_s: Final = array("d")
         self._phases: Final = array("b")
+        self._newest: Phase | None = None
 
     def take(self, sample: Sample, elapsed_s: float) -> None:
         """Take what the vehicle says of itself, or a receiver of its motion, at this log time."""
@@ -70,7 +72,7 @@ class FlightPhases:
         elif isinstance(sample, VelocitySample):
             if sample.origin == VelocityOrigin.RECEIVER or elapsed_s - self._moved_s > FRESH_S:
                 north, east, down = sample.v_ned
-                self._moved(hypot(north, east), -down if sample.vertical_known else self._climb, elapsed_s)
+                self._moved(hypotenuse(north, east), -down if sample.vertical_known else self._climb, elapsed_s)
         elif isinstance(sample, AirDataSample):
             self._moved(self._horizontal, sample.climb, self._moved_s)
 
@@ -83,7 +85,8 @@ class FlightPhases:
         self._turn_rate += share * (rate - self._turn_rate)
         self._rate_s = elapsed_s
         now = self._now(elapsed_s)
-        if not self._phases or self._phases[-1] != now:
+        if now != self._newest:
+            self._newest = now
             self._begins_s.append(elapsed_s)
             self._phases.append(now)
 

@@ -1,10 +1,9 @@
 """The receiver's fixes as one lane gets them: which is new, which repeats itself, and how well they usually fit."""
 
 from collections import deque
-from math import hypot
 from typing import Final
 
-from attest_mav.algebra import norm, sub
+from attest_mav.algebra import hypotenuse, norm, sub
 from attest_mav.samples import VelocitySample
 from attest_mav.types import Vec3
 
@@ -98,6 +97,6 @@ class FixStream:
         """A fix was used in good times. Fixes that are off in a row are not usual."""
         if self.misfit > 1.0:
             return
-        size = min(hypot(innovation[0], innovation[1]), LARGEST_USUALS * self.usual_innovation)
+        size = min(hypotenuse(innovation[0], innovation[1]), LARGEST_USUALS * self.usual_innovation)
         self.usual_innovation += USUAL_SHARE * (size - self.usual_innovation)
         self.usual_nis += USUAL_SHARE * (min(nis, LARGEST_GATE) - self.usual_nis)

@@ -5,6 +5,8 @@ Every function gives a new state; the equations of the filter stay as they are.
 
 from typing import Final, cast
 
+from mypy_extensions import mypyc_attr
+
 from attest_mav.algebra import add, norm, q_exp, q_mul, scale, sub
 from attest_mav.estimation.field_evidence import FieldReading
 from attest_mav.filters.base import FilterState
@@ -24,6 +26,7 @@ UNKNOWN_VELOCITY: Final = 100.0
 """(m/s)^2: variance of a velocity of which nothing is known any more."""
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class FixRecord:
     """A velocity fix beside the estimate, whether it was used or not."""
 

@@ -1,8 +1,8 @@
 """One lane under watch: it takes its filter's steps, with or without the fix, and remembers the last seconds."""
 
-from math import hypot
 from typing import Final
 
+from attest_mav.algebra import hypotenuse
 from attest_mav.estimation.field_evidence import FieldReading
 from attest_mav.estimation.stepper import Stepper
 from attest_mav.estimation.witness.dead_sensor import DeadSensor
@@ -89,8 +89,9 @@ class LaneWatch(Stepper):
         state = self.state
         if state is None or self.field.t_ns < 0:
             return True
-        explained = FIELD_SIGMAS * hypot(state.tilt_sigma, state.heading_sigma)
-        return self.field.residual <= max(FIELD_LEAST, FIELD_USUALS * self.field.usual, explained)
+        field = self.field
+        usual = max(FIELD_LEAST, FIELD_USUALS * field.usual)
+        return field.residual <= max(usual, FIELD_SIGMAS * hypotenuse(state.tilt_sigma, state.heading_sigma))
 
     def adopt(self, state: FilterState) -> None:
         """Go on from another state of the same instant as the newest one."""
@@ -135,11 +136,11 @@ class LaneWatch(Stepper):
             fix = shifted(fix, situation.fix_shift_s)
         usable = fix is not None and situation.receiver_used and not self.fixes.frozen
         if usable and fix is not None and fix.t_ns != self._refused_ns:
-            after = one.step(state, dt_s, sample, inputs.with_velocity(fix))
+            after = one.step(state, dt_s, sample, _with_velocity(inputs, fix))
             if not self._refuses(after, fix, sample):
                 return after
-            return one.step(state, dt_s, sample, inputs.with_velocity(None))
-        after = one.step(state, dt_s, sample, inputs.with_velocity(None))
+            return one.step(state, dt_s, sample, _with_velocity(inputs, None))
+        after = one.step(state, dt_s, sample, _with_velocity(inputs, None))
         if is_new and fix is not None and not self.fixes.frozen:
             record = unused_fix(one, after, fix)
             if record is not None:
@@ -187,3 +188,8 @@ class LaneWatch(Stepper):
         if direction is not None:
             self.field.take(direction, sample.t_ns, self.situation.calm)
             self.field_reading = field_reading(state, sample, inclination)
+
+
+def _with_velocity(inputs: FilterInputs, velocity: VelocitySample | None) -> FilterInputs:
+    """The inputs with this velocity: the same where they have it."""
+    return inputs if inputs.velocity is velocity else inputs.with_velocity(velocity)

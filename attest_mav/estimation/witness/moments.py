@@ -73,12 +73,14 @@ class Moments:
         """The last moment."""
         self._ring: Final[deque[PastInstant]] = deque()
         self._kept_ns = 0
+        self._last_ns = 0
 
     def append(self, moment: Moment) -> None:
         """Take the next moment. A clock that goes back begins anew."""
         ring, t_ns = self._ring, moment.t_ns
-        if ring and t_ns <= ring[-1].t_ns:
+        if ring and t_ns <= self._last_ns:
             ring.clear()
+        self._last_ns = t_ns
         is_kept = not ring or t_ns - self._kept_ns >= STATE_SPACING_NS
         if is_kept:
             self._kept_ns = t_ns
@@ -86,8 +88,10 @@ class Moments:
         before = moment.before if is_kept else None
         ring.append(PastInstant(t_ns, moment.dt_s, moment.sample, moment.inputs, velocity, before))
         self.newest = moment
-        while t_ns - ring[0].t_ns > LENGTH_NS or ring[0].before is None:
+        oldest = ring[0]
+        while t_ns - oldest.t_ns > LENGTH_NS or oldest.before is None:
             ring.popleft()
+            oldest = ring[0]
 
     @property
     def oldest(self) -> PastInstant | None:

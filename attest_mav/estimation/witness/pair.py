@@ -1,10 +1,12 @@
 """Two inertial sensors beside each other: the difference of their readings, and whether that is a dispute."""
 
 from collections import deque
-from math import degrees, hypot, radians, sqrt
+from math import degrees, radians, sqrt
 from typing import Final
 
-from attest_mav.algebra import add, heading_between, norm, scale, sub, tilt_between
+from mypy_extensions import mypyc_attr
+
+from attest_mav.algebra import add, heading_between, hypotenuse, norm, scale, sub, tilt_between
 from attest_mav.estimation.witness.flight_state import accel_bias
 from attest_mav.filters.base import FilterState
 from attest_mav.types import Vec3
@@ -22,6 +24,7 @@ HEADING_LIMIT: Final = radians(2.0)
 SIGMAS: Final = 1.5
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class Difference:
     """Readings of one sensor minus another's, mean over a time; scatter: of the accelerometers, an axis."""
 
@@ -33,6 +36,7 @@ class Difference:
         self.count: Final = count
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class _Point:
     def __init__(self, t_ns: int, gyro: Vec3, accel: Vec3) -> None:
         self.t_ns: Final = t_ns
@@ -46,6 +50,7 @@ class RunningDifference:
     def __init__(self, span_s: float) -> None:
         self._span_ns: Final = int(1e9 * span_s)
         self._points: Final[deque[_Point]] = deque()
+        self._newest_ns = -1
         self._gyro: Vec3 = (0.0, 0.0, 0.0)
         self._accel: Vec3 = (0.0, 0.0, 0.0)
         self._gyro_squares: Vec3 = (0.0, 0.0, 0.0)
@@ -54,13 +59,16 @@ class RunningDifference:
     def take(self, t_ns: int, gyro: Vec3, accel: Vec3) -> None:
         """Take the next difference."""
         points = self._points
-        if points and t_ns <= points[-1].t_ns:
+        if points and t_ns <= self._newest_ns:
             self.clear()
+        self._newest_ns = t_ns
         points.append(_Point(t_ns, gyro, accel))
         self._add(gyro, accel, 1.0)
-        while t_ns - points[0].t_ns > self._span_ns:
-            old = points.popleft()
+        old = points[0]
+        while t_ns - old.t_ns > self._span_ns:
+            points.popleft()
             self._add(old.gyro, old.accel, -1.0)
+            old = points[0]
 
     def clear(self) -> None:
         """Forget everything."""
@@ -72,7 +80,7 @@ class RunningDifference:
     def spans(self) -> bool:
         """True once the differences reach over most of the time."""
         points = self._points
-        return len(points) > 1 and points[-1].t_ns - points[0].t_ns > 0.8 * self._span_ns
+        return len(points) > 1 and self._newest_ns - points[0].t_ns > 0.8 * self._span_ns
 
     def difference(self) -> Difference:
         """The mean difference over the points kept."""
@@ -93,6 +101,7 @@ class RunningDifference:
         self._accel_squares = add(self._accel_squares, scale(_squares(accel), sign))
 
 
+@mypyc_attr(acyclic=True)  # as Sample
 class Contrast:
     """Two lanes beside each other: their readings without biases, and their attitudes.
 
@@ -150,8 +159,8 @@ def contrast_of_states(difference: Difference, first: FilterState, second: Filte
     readings = contrast(difference, sub(first.gyro_bias, second.gyro_bias), sub(accel_bias(first), accel_bias(second)))
     tilt = tilt_between(first.q_nb, second.q_nb)
     heading = abs(heading_between(first.q_nb, second.q_nb))
-    apart = tilt > max(TILT_LIMIT, SIGMAS * hypot(first.tilt_sigma, second.tilt_sigma)) or heading > max(
-        HEADING_LIMIT, SIGMAS * hypot(first.heading_sigma, second.heading_sigma)
+    apart = tilt > max(TILT_LIMIT, SIGMAS * hypotenuse(first.tilt_sigma, second.tilt_sigma)) or heading > max(
+        HEADING_LIMIT, SIGMAS * hypotenuse(first.heading_sigma, second.heading_sigma)
     )
     return Contrast(readings.gyro, readings.accel, tilt, heading, readings.gyros_differ, readings.accels_differ, apart)
 

@@ -4,10 +4,10 @@ Two sensors on one vehicle see the same motion, so the scatter of their differen
 difference over a second or two is what the scatter does not average out.
 """
 
-from math import hypot, sqrt
+from math import sqrt
 from typing import Final
 
-from attest_mav.algebra import norm, sub
+from attest_mav.algebra import hypotenuse, norm, sub
 from attest_mav.estimation.witness.dispute import LanePair
 from attest_mav.estimation.witness.flight_state import accel_bias
 from attest_mav.estimation.witness.lane_watch import LaneWatch
@@ -37,7 +37,7 @@ def noise_of(pair: LanePair, lane: LaneWatch, one: VelocityAided) -> SensorNoise
     )
     recent = pair.recent.difference()
     mean = min(mean, LARGEST_MEAN)
-    accel = hypot(_density(norm(recent.accel_scatter), newest.dt_s), MEAN_WEIGHT * mean * sqrt(MEAN_S / 6.0))
+    accel = hypotenuse(_density(norm(recent.accel_scatter), newest.dt_s), MEAN_WEIGHT * mean * sqrt(MEAN_S / 6.0))
     gyro = _density(norm(recent.gyro_scatter), newest.dt_s)
     return SensorNoise(
         max(parameters.accel_noise, accel, 0.0 if known is None else FALL * known.accel),

@@ -5,9 +5,9 @@ them from using any, until one explanation leads.
 """
 
 from collections.abc import Sequence
-from math import hypot
 from typing import Final
 
+from attest_mav.algebra import hypotenuse
 from attest_mav.estimation.events import LaneEvent, LaneEventKind
 from attest_mav.estimation.witness.candidate import Candidate, Explanation, Hypothesis
 from attest_mav.estimation.witness.contradiction import Contradiction, run_again
@@ -181,7 +181,7 @@ def _words(best: Candidate) -> str:
 
 def _size(lane: LaneWatch) -> float:
     """Horizontal size of the newest innovation, m/s."""
-    return 0.0 if lane.fix is None else hypot(lane.fix.innovation[0], lane.fix.innovation[1])
+    return 0.0 if lane.fix is None else hypotenuse(lane.fix.innovation[0], lane.fix.innovation[1])
 
 
 def _event(lane: LaneWatch, moment: Moment, kind: LaneEventKind, text: str) -> LaneEvent:

@@ -4,10 +4,10 @@ A filter whose attitude differs from that has missed a turn (a gap, a saturated 
 of its own measurements corrects it soon. The filter is restarted.
 """
 
-from math import hypot, radians
+from math import radians
 from typing import Final
 
-from attest_mav.algebra import add, heading_between, is_finite, norm, scale, sub, tilt_between, wrap_pi
+from attest_mav.algebra import add, heading_between, hypotenuse, is_finite, norm, scale, sub, tilt_between, wrap_pi
 from attest_mav.estimation.alignment import ecompass
 from attest_mav.estimation.witness.flight_state import navigation_of
 from attest_mav.estimation.witness.moments import Moment
@@ -113,4 +113,4 @@ def _stands(inputs: FilterInputs) -> bool:
     fix = inputs.velocity
     if fix is None:
         return inputs.zero_mean_velocity
-    return hypot(fix.v_ned[0], fix.v_ned[1]) < STANDING_SPEED
+    return hypotenuse(fix.v_ned[0], fix.v_ned[1]) < STANDING_SPEED

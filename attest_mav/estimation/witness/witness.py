@@ -85,9 +85,11 @@ class Witness:
         selected = self._lanes[self.selected]
         if lane is selected and lane.standing == Standing.GOOD:
             disputed = any(pair.dispute is not None for pair in self._pairs)
-            events += self._receiver.take(lane, self._good(), disputed)
-            self._doubt_by_field(moment)
-            self._form_set(lane, moment, disputed)
+            good = self._good()
+            events += self._receiver.take(lane, good, disputed)
+            if not any(one.field_fits for one in good):
+                self._doubt.field_contradicts(moment.t_ns)
+            self._form_set(lane, good, moment, disputed)
         elif selected.standing != Standing.GOOD:
             self.members, self.publishes = (), False
         self._set_situation()
@@ -212,15 +214,10 @@ class Witness:
             self.selected = lane.name
             return
 
-    def _doubt_by_field(self, moment: Moment) -> None:
-        good = self._good()
-        if good and not any(lane.field_fits for lane in good):
-            self._doubt.field_contradicts(moment.t_ns)
-
-    def _form_set(self, selected: LaneWatch, moment: Moment, disputed: bool) -> None:
+    def _form_set(self, selected: LaneWatch, good: list[LaneWatch], moment: Moment, disputed: bool) -> None:
         """The members beside the selected attitude, and whether that may be published."""
         members: list[Member] = []
-        for lane in self._good():
+        for lane in good:
             member = None if lane is selected else lane_member(moment, lane)
             if member is not None:
                 members.append(member)

@@ -4,10 +4,10 @@
 made and fused, is in ``aids``.
 """
 
-from math import inf, sqrt
+from math import inf
 from typing import Final
 
-from attest_mav.algebra import add, norm, scale, square
+from attest_mav.algebra import add, hypotenuse, norm, scale
 from attest_mav.filters.base import FilterInputs
 from attest_mav.filters.velocity_aided.aids.airspeed import (
     airspeed_ahead,
@@ -157,7 +157,7 @@ def _fuse_field(
     estimates_sensors = not before.stationary.is_settled
     nav, magnetometer = fuse_magnetometer(nav, memory, sample, levelled, dt_s, estimates_sensors, parameters)
     # The vertical velocity is not always measured, and then drifts.
-    horizontal_speed = sqrt(square(nav.velocity[0]) + square(nav.velocity[1]))
+    horizontal_speed = hypotenuse(nav.velocity[0], nav.velocity[1])
     velocity_shows_heading = before.gnss.since_fused_s < LOST_S and horizontal_speed > STANDING_SPEED
     if magnetometer.since_accepted_s > REJECTED_S and not velocity_shows_heading:
         since_s = memory.since_reading_s + dt_s

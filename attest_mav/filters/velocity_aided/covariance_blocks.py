@@ -1,6 +1,6 @@
 """Edits of whole blocks of the covariance, by the name of the error: for starts, resets, and hypotheses.
 
-None of them is part of a usual step, so they work on the list of blocks, and no other module has to name the blocks.
+Those that are no part of a usual step work on the list of blocks, and no other module has to name the blocks.
 """
 
 from enum import IntEnum
@@ -58,12 +58,17 @@ def with_added_variance(p: Covariance, error: ErrorBlock, variance: Vec3) -> Cov
     return Covariance(*blocks)
 
 
-def with_variance_floor(p: Covariance, error: ErrorBlock, least: float) -> Covariance:
-    """P with no variance of one error below ``least``."""
-    blocks = p.blocks()
-    place = _place(error, error)
-    blocks[place] = floor_diagonal(blocks[place], least)
-    return Covariance(*blocks)
+def with_gyro_bias_floor(p: Covariance, least: float) -> Covariance:
+    """P with no variance of the gyro bias below ``least``, (rad/s)^2; written out, since rest asks it all the time."""
+    return Covariance(
+        p.tt, p.tv, p.tb, p.ts, p.ta, p.tm, p.td,
+        p.vv, p.vb, p.vs, p.va, p.vm, p.vd,
+        floor_diagonal(p.bb, least), p.bs, p.ba, p.bm, p.bd,
+        p.ss, p.sa, p.sm, p.sd,
+        p.aa, p.am, p.ad,
+        p.mm, p.md,
+        p.dd,
+    )  # fmt: skip
 
 
 def decoupled(p: Covariance, error: ErrorBlock, own: Mat3) -> Covariance:

@@ -70,6 +70,11 @@ class VelocityAided(AttitudeFilter):
         return True
 
     @property
+    def uses_body_velocity(self) -> bool:
+        """False: it takes the velocity in NED."""
+        return False
+
+    @property
     def default_settings(self) -> VehicleSettings:
         """The parameters that the vehicle may tell."""
         parameters = self.parameters

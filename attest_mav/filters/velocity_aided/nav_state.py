@@ -18,7 +18,7 @@ from attest_mav.filters.velocity_aided.covariance_blocks import (
     decoupled,
     with_added_variance,
     with_component_restarted,
-    with_variance_floor,
+    with_gyro_bias_floor,
 )
 from attest_mav.filters.velocity_aided.measurement import (
     CrossCovariance,
@@ -158,9 +158,9 @@ class NavigationState(Record):
         """The same estimate, one of its errors less certain by these variances."""
         return self.with_covariance(with_added_variance(self.covariance, error, variance))
 
-    def with_variance_floor(self, error: ErrorBlock, least: float) -> "NavigationState":
-        """The same estimate, one of its errors known no better than this variance."""
-        return self.with_covariance(with_variance_floor(self.covariance, error, least))
+    def with_gyro_bias_floor(self, least: float) -> "NavigationState":
+        """The same estimate, its gyro bias known no better than this variance, (rad/s)^2."""
+        return self.with_covariance(with_gyro_bias_floor(self.covariance, least))
 
     def decoupled(self, error: ErrorBlock, variance: float) -> "NavigationState":
         """The same estimate, one of its errors independent of all others and of this variance in each axis."""

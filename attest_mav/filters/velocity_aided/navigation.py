@@ -5,7 +5,7 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import is_number
+from attest_mav.algebra import is_finite_number
 from attest_mav.filters.velocity_aided.aids.airspeed import Wind
 from attest_mav.filters.velocity_aided.aids.fallback import Fallback
 from attest_mav.filters.velocity_aided.aids.gnss_velocity import GnssVelocity
@@ -96,7 +96,7 @@ class Navigation(Record):
 
     def with_declination(self, declination: float, parameters: FlightParameters) -> "Navigation":
         """The navigation with this assumed declination, rad; the same one if it is not known or no news."""
-        if not is_number(declination) or declination == self.declination:
+        if not is_finite_number(declination) or declination == self.declination:
             return self
         change = declination - self.assumed_declination
         estimate = _with_declination(self.estimate, change, self.declination is None, parameters)

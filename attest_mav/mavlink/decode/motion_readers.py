@@ -1,9 +1,9 @@
 """The readers of motion: GPS_RAW_INT, the velocities of the autopilot's estimator, VFR_HUD."""
 
-from math import cos, isfinite, nan, radians, sin
+from math import cos, nan, radians, sin
 from typing import Final
 
-from attest_mav.algebra import is_finite
+from attest_mav.algebra import is_finite, is_finite_number
 from attest_mav.mavlink.constants import (
     GPS_FIX_TYPE_3D_FIX,
     UINT8_MAX,
@@ -114,7 +114,7 @@ class HudReader(Reader):
         """One AirDataSample."""
         values = self._fields.unpack(frame.payload)
         airspeed, groundspeed, climb = finite_or_nan(values[0]), finite_or_nan(values[1]), finite_or_nan(values[2])
-        if not (isfinite(airspeed) or isfinite(groundspeed) or isfinite(climb)):
+        if not (is_finite_number(airspeed) or is_finite_number(groundspeed) or is_finite_number(climb)):
             return self.refuse(frame, "none of its speeds is finite")
         return [
             AirDataSample(
@@ -132,4 +132,4 @@ class HudReader(Reader):
 
 def finite_or_nan(value: float) -> float:
     """The value, NaN for an infinite one too."""
-    return value if isfinite(value) else nan
+    return value if is_finite_number(value) else nan

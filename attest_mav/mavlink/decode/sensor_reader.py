@@ -1,8 +1,9 @@
 """One inertial sensor as a message reports it: conversion by its unit row, and the checks its numbers must pass."""
 
-from math import isfinite, sqrt
+from math import sqrt
 from typing import Final
 
+from attest_mav.algebra import is_finite_number
 from attest_mav.mavlink.decode.units import (
     MAX_ACCEL_MPS2,
     MAX_FIELD_GAUSS,
@@ -99,7 +100,7 @@ class SensorReader:
             self._field_t_ns = t_ns
             self._turn_rad = 0.0
         self._last_t_ns = t_ns
-        if _is_zero(field) or not isfinite(field[0] + field[1] + field[2]):
+        if _is_zero(field) or not is_finite_number(field[0] + field[1] + field[2]):
             return False
         return self._turn_rad < STALE_TURN_RAD or (t_ns - self._field_t_ns) * 1e-9 < STALE_TIME_S
 
@@ -160,7 +161,7 @@ def _quantum(row: UnitRow) -> Quantum:
 
 
 def _finite(accel: Vec3, gyro: Vec3) -> bool:
-    return isfinite(accel[0] + accel[1] + accel[2] + gyro[0] + gyro[1] + gyro[2])
+    return is_finite_number(accel[0] + accel[1] + accel[2] + gyro[0] + gyro[1] + gyro[2])
 
 
 def _is_zero(v: Vec3) -> bool:

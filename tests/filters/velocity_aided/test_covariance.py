@@ -10,7 +10,7 @@ from attest_mav.filters.velocity_aided.covariance_blocks import (
     diagonal_covariance,
     with_added_variance,
     with_component_restarted,
-    with_variance_floor,
+    with_gyro_bias_floor,
 )
 from attest_mav.filters.velocity_aided.measurement import Measurement, consider_updated, cross_covariance, updated
 from attest_mav.matrices import diagonal
@@ -123,6 +123,14 @@ def test_a_consider_update_is_the_joseph_form_with_no_gain_for_the_sensors(rng, 
     assert without.s == without.a == without.m == without.d == (0.0, 0.0, 0.0)
 
 
+def test_the_gyro_bias_is_known_no_better_than_its_floor(dense):
+    own = range(3 * ErrorBlock.GYRO_BIAS, 3 * ErrorBlock.GYRO_BIAS + 3)
+    floored = dense.copy()
+    floored[own, own] = np.maximum(np.diag(dense)[own], 20.0)
+    assert not np.array_equal(floored, dense)
+    assert np.array_equal(to_dense(with_gyro_bias_floor(from_dense(dense), 20.0)), floored)
+
+
 @pytest.mark.parametrize("error", list(ErrorBlock))
 def test_blocks_are_edited_by_name(dense, error):
     p, own = from_dense(dense), slice(3 * error, 3 * error + 3)
@@ -133,9 +141,6 @@ def test_blocks_are_edited_by_name(dense, error):
     alone[own, :], alone[:, own] = 0.0, 0.0
     alone[own, own] = np.diag([4.0] * 3)
     assert np.array_equal(to_dense(decoupled(p, error, diagonal(4.0))), alone)
-    floored = dense.copy()
-    floored[range(own.start, own.stop), range(own.start, own.stop)] = np.maximum(np.diag(dense)[own], 20.0)
-    assert np.array_equal(to_dense(with_variance_floor(p, error, 20.0)), floored)
     for axis in range(3):
         restarted = dense.copy()
         restarted[own.start + axis, :], restarted[:, own.start + axis] = 0.0, 0.0

@@ -11,7 +11,6 @@ from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import add, norm, scale, square, sub, unit_axis
 from attest_mav.filters.stationary import MAX_GYRO_BIAS, StillnessLimits, is_near
-from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
 from attest_mav.filters.velocity_aided.measurement import Measurement
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, cross_covariance_of, fuse
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
@@ -119,7 +118,7 @@ def fuse_zero_motion(
         return nav, stationary
     floor = square(parameters.rest_floor)
     if norm(stationary.mean_gyro) < READS_ZERO or not has_velocity:
-        nav = nav.with_variance_floor(ErrorBlock.GYRO_BIAS, floor)
+        nav = nav.with_gyro_bias_floor(floor)
     if has_velocity:
         innovations: tuple[Innovation, ...] = (
             Innovation(Aid.ZERO_RATE, Fusion.REDUNDANT, t_ns),
