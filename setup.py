@@ -56,6 +56,9 @@ last one is what mypyc writes for all modules together."""
 LITTLE_MEMORY = ["--param", "ggc-min-expand=5", "--param", "ggc-min-heapsize=16384"]
 """gcc collects its garbage more often: the same code from half the memory."""
 
+WITHOUT_STUBS = ["-fno-plt"]
+"""Python's own functions are called through their address in a table, without a jump in between."""
+
 
 def core_extensions():
     """The extension modules of the core, or none when this is not a wheel build."""
@@ -86,8 +89,12 @@ def core_extensions():
         # Without the first, position-independent code calls every small function through a table instead of
         # inlining it: steps of the filters then take twice as long. The second keeps compiled equal to interpreted.
         flags = ["-fno-semantic-interposition", "-ffp-contract=off"]
-        if compiler_takes(LITTLE_MEMORY):
-            flags += LITTLE_MEMORY
+        for more in (LITTLE_MEMORY, WITHOUT_STUBS):
+            if compiler_takes(more):
+                flags += more
+        if sys.platform.startswith("linux"):
+            # The files of the core call each other directly, too, instead of through a table.
+            extension.extra_link_args = [*extension.extra_link_args, "-Wl,-Bsymbolic-functions"]
         extension.extra_compile_args = [*extension.extra_compile_args, *flags]
     return extensions
 

@@ -82,6 +82,8 @@ def wrap_pi(angle: float) -> float:
     """The same angle in (-pi, pi], rad."""
     if -pi < angle <= pi:
         return angle
+    if -2.0 * pi <= angle <= 2.0 * pi:
+        return angle - 2.0 * pi if angle > 0.0 else angle + 2.0 * pi
     wrapped = angle - 2.0 * pi * float(round(angle / (2.0 * pi)))
     return pi if wrapped <= -pi else wrapped
 

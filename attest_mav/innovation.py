@@ -103,6 +103,7 @@ class Innovation(Record):
         if count == 0:
             return nan
         total = 0.0
-        for residual, variance in zip(self.residual, self.variance, strict=True):
-            total += residual * residual / variance / count
+        for index in range(count):
+            residual = self.residual[index]
+            total += residual * residual / self.variance[index] / count
         return total

@@ -23,13 +23,14 @@ class Picked:
     def __init__(self, layout: "Layout", structure: Struct) -> None:
         self.layout: Final = layout
         self._structure: Final = structure
+        self._unpack: Final = structure.unpack_from
         self._size: Final = structure.size
+        self._zeros: Final = bytes(structure.size)
 
     def unpack(self, payload: bytes) -> tuple[Any, ...]:
         """The values; trailing zeros that MAVLink 2 left out are restored."""
-        if len(payload) < self._size:
-            payload = payload.ljust(self._size, b"\0")
-        return self._structure.unpack_from(payload)
+        missing = self._size - len(payload)
+        return self._unpack(payload + self._zeros[:missing] if missing > 0 else payload)
 
     def pack(self, *values: float | bytes) -> bytes:
         """The payload, trailing zeros not yet cut."""

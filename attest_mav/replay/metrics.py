@@ -75,7 +75,7 @@ def spread(errors: Sequence[float]) -> Spread | None:
     if not errors:
         return None
     ordered = sorted(map(abs, errors))
-    rms = sqrt(fsum(error * error for error in ordered) / len(ordered))
+    rms = sqrt(fsum([error * error for error in ordered]) / len(ordered))
     return Spread(degrees(rms), degrees(percentile(ordered, P95)), degrees(ordered[-1]))
 
 

@@ -1,7 +1,7 @@
 """The readers of motion: GPS_RAW_INT, the velocities of the autopilot's estimator, VFR_HUD."""
 
 from math import cos, nan, radians, sin
-from typing import Final
+from typing import Any, Final
 
 from attest_mav.algebra import is_finite, is_finite_number
 from attest_mav.mavlink.constants import (
@@ -45,22 +45,42 @@ class GpsReader(Reader):
 
     def read(self, frame: Frame) -> list[Sample]:
         """A PositionSample and, where speed and course are known, a VelocitySample before it."""
-        time, lat, lon, alt, eph, vel, cog, fix, satellites, vel_acc = self._fields.unpack(frame.payload)
+        values = self._fields.unpack(frame.payload)
+        fix: int = values[7]
         if fix < GPS_FIX_TYPE_3D_FIX:
             return self.refuse(frame, f"no 3-D fix (fix type {fix})")
+        time: int = values[0]
         t_ns = self._boot_clock.since_boot_ns(frame.system, time)
         if t_ns < 0:
             return self.refuse(frame, time_refusal(t_ns, time))
+        eph: int = values[4]
+        vel: int = values[5]
+        cog: int = values[6]
+        satellites: int = values[8]
         samples: list[Sample] = []
         if vel != UINT16_MAX and (cog != UINT16_MAX or vel == 0):
-            samples.append(self._velocity(frame, t_ns, vel, cog, receiver_sigma(vel_acc * MILLI, eph, satellites)))
-        place = (lat * 1e-7, lon * 1e-7, alt * 1e-3)
-        used = satellites if satellites != UINT8_MAX else None
-        dilution = eph * CENTI if eph != UINT16_MAX else None
-        samples.append(
-            PositionSample(self.name, frame.system, frame.component, t_ns, frame.rx_ns, *place, used, dilution)
-        )
+            sigma = receiver_sigma(values[9] * MILLI, eph, satellites)
+            samples.append(self._velocity(frame, t_ns, vel, cog, sigma))
+        samples.append(self._position(frame, t_ns, values, eph, satellites))
         return samples
+
+    def _position(self, frame: Frame, t_ns: int, values: tuple[Any, ...], eph: int, satellites: int) -> PositionSample:
+        """The position among the values of a message."""
+        lat: int = values[1]
+        lon: int = values[2]
+        alt: int = values[3]
+        return PositionSample(
+            self.name,
+            frame.system,
+            frame.component,
+            t_ns,
+            frame.rx_ns,
+            lat * 1e-7,
+            lon * 1e-7,
+            alt * 1e-3,
+            satellites if satellites != UINT8_MAX else None,
+            eph * CENTI if eph != UINT16_MAX else None,
+        )
 
     def _velocity(self, frame: Frame, t_ns: int, vel: int, cog: int, sigma: float | None) -> VelocitySample:
         """The velocity of a speed in cm/s and a course in hundredths of a degree."""
