@@ -27,6 +27,12 @@ def hypotenuse(a: float, b: float) -> float:
     return sqrt(a * a + b * b)
 
 
+def largest(a: float, b: float, c: float) -> float:
+    """The largest of three: compiled, max() of more than two makes objects of them."""
+    larger = a if a >= b else b
+    return larger if larger >= c else c
+
+
 # --- vectors -------------------------------------------------------------------------------------------------------
 
 

@@ -9,7 +9,7 @@ therefore depends on the vehicle's own report that it stands.
 
 from typing import Final
 
-from attest_mav.algebra import add, cross, is_finite, norm, q_from_matrix, scale, sub, unit
+from attest_mav.algebra import add, cross, is_finite, largest, norm, q_from_matrix, scale, sub, unit
 from attest_mav.filters.base import Start
 from attest_mav.plausible import MIN_HORIZONTAL_FIELD
 from attest_mav.samples import ImuSample
@@ -128,4 +128,4 @@ def _usable(sample: ImuSample) -> bool:
 
 def _largest(v: Vec3) -> float:
     """Largest component by size."""
-    return max(abs(v[0]), abs(v[1]), abs(v[2]))
+    return largest(abs(v[0]), abs(v[1]), abs(v[2]))

@@ -11,7 +11,7 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import add, mat_vec, norm, q_exp, q_mul, q_to_matrix, q_unit, scale, square, sub
+from attest_mav.algebra import add, largest, mat_vec, norm, q_exp, q_mul, q_to_matrix, q_unit, scale, square, sub
 from attest_mav.filters.velocity_aided.covariance import ProcessNoise, propagated
 from attest_mav.filters.velocity_aided.history import DeltaVelocityHistory, appended, empty_history
 from attest_mav.filters.velocity_aided.nav_state import (
@@ -169,18 +169,12 @@ def _remember(
         specific_force,
         max(gyro_now, fade * before.gyro_aliasing),
         (
-            _largest(abs(x), unseen, fade * held_x),
-            _largest(abs(y), unseen, fade * held_y),
-            _largest(abs(z), unseen, fade * held_z),
+            largest(abs(x), unseen, fade * held_x),
+            largest(abs(y), unseen, fade * held_y),
+            largest(abs(z), unseen, fade * held_z),
         ),
         history,
     )
-
-
-def _largest(a: float, b: float, c: float) -> float:
-    """The largest of three: compiled, max() of more than two makes objects of them."""
-    larger = a if a >= b else b
-    return larger if larger >= c else c
 
 
 @mypyc_attr(acyclic=True)

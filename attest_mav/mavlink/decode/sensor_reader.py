@@ -3,7 +3,7 @@
 from math import sqrt
 from typing import Final
 
-from attest_mav.algebra import is_finite_number
+from attest_mav.algebra import is_finite_number, largest
 from attest_mav.mavlink.decode.units import (
     MAX_ACCEL_MPS2,
     MAX_FIELD_GAUSS,
@@ -170,11 +170,7 @@ def _is_zero(v: Vec3) -> bool:
 
 def _largest(v: Vec3) -> float:
     """Largest absolute component."""
-    a = abs(v[0])
-    b = abs(v[1])
-    c = abs(v[2])
-    a = a if a >= b else b
-    return a if a >= c else c
+    return largest(abs(v[0]), abs(v[1]), abs(v[2]))
 
 
 def _norm(v: Vec3) -> float:
