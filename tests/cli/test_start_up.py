@@ -8,7 +8,15 @@ from pathlib import Path
 from attest_mav.cli.collector import SELDOM, seldom_collected
 
 LAPS = Path(__file__).parent.parent / "data" / "copter_square_laps.tlog"
-HEAVY = ("numpy", "pyarrow", "msgspec", "matplotlib", "multiprocessing", "attest_mav.smoothing", "attest_mav.service")
+HEAVY = (
+    "numpy",
+    "pyarrow",
+    "msgspec",
+    "matplotlib",
+    "multiprocessing",
+    "attest_mav.smoothing",
+    "attest_mav.service",
+)
 RUN = f"""
 import sys
 from attest_mav.cli.main import run
