@@ -17,6 +17,7 @@ from attest_mav.filters.velocity_aided.nav_state import DEADBAND_RATE
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.prediction import (
     FAST_TURN,
+    HELD_SAMPLES,
     MAX_STEP_RATIO,
     OTHER_AXES,
     SATURATED_ACCEL,
@@ -132,7 +133,7 @@ def _aliasing(
     hidden = np.where(rate > FAST_TURN, rate, SATURATED_RATE)
     bend = np.where(readings.saturated, hidden, bend)
     accel = np.where(readings.saturated[:, np.newaxis], SATURATED_ACCEL, np.abs(accel_bend))
-    hold_s = parameters.aliasing_hold_s
+    hold_s = max(parameters.aliasing_hold_s, HELD_SAMPLES * float(np.median(dt_s)))
     held = [held_largest(accel[:, axis], readings.t_s, hold_s) for axis in range(3)]
     return held_largest(bend, readings.t_s, hold_s), np.stack(held, axis=1)
 

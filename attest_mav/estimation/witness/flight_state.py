@@ -60,8 +60,7 @@ def unused_fix(one: VelocityAided, state: FilterState, fix: VelocitySample) -> F
     navigation = navigation_of(state)
     if navigation is None:
         return None
-    history = navigation.imu.history
-    _, tried = fuse_velocity(navigation.estimate, history, navigation.gnss, fix, False, one.parameters)
+    _, tried = fuse_velocity(navigation.estimate, navigation.imu, navigation.gnss, fix, False, one.parameters)
     innovation = tried.innovation
     return None if innovation is None or not innovation.is_used else _record(innovation)
 

@@ -58,7 +58,7 @@ def navigate(
     estimates_sensors = not before.stationary.is_settled
     fix = inputs.velocity
     if fix is not None and fix_is_due(gnss, fix, parameters):
-        nav, gnss = fuse_velocity(nav, imu.history, gnss, fix, estimates_sensors, parameters)
+        nav, gnss = fuse_velocity(nav, imu, gnss, fix, estimates_sensors, parameters)
     has_velocity = gnss.since_fused_s < LOST_S
     stationary = detect(before.stationary, reading, _speed_against_rest(fix, inputs), dt_s)
     nav, stationary = fuse_zero_motion(nav, stationary, has_velocity, estimates_sensors, sample.t_ns, parameters)

@@ -84,8 +84,8 @@ class FlightParameters(Record):
     fast manoeuvre between samples goes unnoticed."""
     accel_aliasing: float = 0.1
     """1. The same for the accelerometer, axis by axis, whatever the low-pass: vibration has an axis."""
-    aliasing_hold_s: float = 2.0
-    """s. Time constant with which the largest second difference decays."""
+    aliasing_hold_s: float = 0.3
+    """s. Time constant with which the largest second difference decays, or eight steps where these are longer."""
 
     velocity_sigma: float = 0.25
     """m/s. Noise of a fix at the start; from then on it is twice the rms of the innovations. Also the largest noise
@@ -95,7 +95,8 @@ class FlightParameters(Record):
     velocity_ceiling: float = 0.5
     """m/s. Largest noise of a fix, short of the inflation to the gate."""
     fix_jitter_s: float = 0.03
-    """s. Jitter of a fix's time; as noise it is multiplied by the acceleration."""
+    """s. Jitter of a fix's time; as noise it is multiplied by the acceleration, and in the consistency test by the
+    acceleration that the inertial samples may not have shown too."""
     fix_spacing_s: float = 0.19
     """s. Fixes that come faster are skipped, for their errors are the same."""
     velocity_gate: float = 6.0

@@ -42,6 +42,8 @@ HEADING_NOISE_INTERVAL_S: Final = 0.2
 """The second-order effect of an unknown heading is treated as noise that is independent every 0.2 s."""
 MAX_STEP_RATIO: Final = 1.5
 """Two steps whose lengths differ by no more than this factor count as even."""
+HELD_SAMPLES: Final = 8.0
+"""The largest second difference decays over at least so many steps: a slow stream shows a manoeuvre in few of them."""
 
 
 @mypyc_attr(acyclic=True)
@@ -78,6 +80,11 @@ class ImuMemory(Record):
         """Largest second difference of the accelerometer of late in each axis of the body, m/s^2, decaying."""
         self.history: Final = history
         """Recent gains of velocity."""
+
+    @property
+    def hidden_acceleration(self) -> float:
+        """Size of the acceleration that the samples of late may not have shown, m/s^2."""
+        return norm(self.accel_aliasing)
 
     @property
     def angular_acceleration(self) -> Vec3:
@@ -151,7 +158,7 @@ def _remember(
     history: DeltaVelocityHistory,
 ) -> ImuMemory:
     """The memory after a step."""
-    fade = exp(-dt_s / parameters.aliasing_hold_s)
+    fade = exp(-dt_s / max(parameters.aliasing_hold_s, HELD_SAMPLES * dt_s))
     share = aliased_share(parameters.low_pass_hz, dt_s)
     gyro_now = share * three_point.gyro_second_difference
     if reading.saturated:

@@ -14,7 +14,7 @@ from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import clamp, dot, square, unit_axis
 from attest_mav.filters.robust import averaged_power, variance_on_gate
-from attest_mav.filters.velocity_aided.history import DeltaVelocityHistory, Lookback, look_back
+from attest_mav.filters.velocity_aided.history import Lookback, look_back
 from attest_mav.filters.velocity_aided.lags import fix_lag_variance, nominal_fix_lag_s
 from attest_mav.filters.velocity_aided.measurement import Measurement
 from attest_mav.filters.velocity_aided.nav_state import (
@@ -25,6 +25,7 @@ from attest_mav.filters.velocity_aided.nav_state import (
     fuse,
 )
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
+from attest_mav.filters.velocity_aided.prediction import ImuMemory
 from attest_mav.innovation import Aid, Fusion, Innovation
 from attest_mav.plausible import is_velocity
 from attest_mav.record import Record
@@ -103,7 +104,7 @@ def fix_is_due(gnss: GnssVelocity, fix: VelocitySample, parameters: FlightParame
 
 def fuse_velocity(
     nav: NavigationState,
-    history: DeltaVelocityHistory,
+    imu: ImuMemory,
     gnss: GnssVelocity,
     fix: VelocitySample,
     estimates_sensors: bool,
@@ -111,49 +112,72 @@ def fuse_velocity(
 ) -> tuple[NavigationState, GnssVelocity]:
     """State and memory after a fix that is due; its record says whether it was fused.
 
-    estimates_sensors: whether it may estimate the sensor errors, or only considers them.
+    imu: the memory of dead reckoning. estimates_sensors: whether the fix may estimate the sensor errors, or only
+    considers them.
     """
     if not is_velocity(fix.v_ned):
         return nav, gnss.with_innovation(Innovation(Aid.VELOCITY, Fusion.IMPLAUSIBLE, fix.t_ns))
     if gnss.last is None or fix.source != gnss.last.source:
         nav = nav.with_fix_lag(nominal_fix_lag_s(fix.origin, parameters), fix_lag_variance(fix.origin, parameters))
-    past = look_back(history, time_of_validity(fix, nav.fix_lag_s))
+    past = look_back(imu.history, time_of_validity(fix, nav.fix_lag_s))
     if past is None:
         return nav, gnss.with_innovation(Innovation(Aid.VELOCITY, Fusion.TOO_OLD, fix.t_ns, fix.v_ned))
-    nav, innovation = _fuse_axes(nav, past, gnss.innovation_power, fix, estimates_sensors, parameters)
+    nav, innovation = _fuse_axes(
+        nav, past, _fix_noise(past, imu, gnss, fix, parameters), fix, estimates_sensors, parameters
+    )
     return nav, _after_fix(gnss, fix, innovation, parameters)
+
+
+@mypyc_attr(acyclic=True)
+class FixNoise(Record):
+    """Variances of one fix, per axis, (m/s)^2, and the acceleration of the vehicle at its time."""
+
+    def __init__(self, variance: float, trusted: float, acceleration: Vec3) -> None:
+        self.variance: Final = variance
+        """In the update."""
+        self.trusted: Final = trusted
+        """In the consistency test, where the noise may not adapt upwards: a wrong attitude would inflate its limit."""
+        self.acceleration: Final = acceleration
+        """NED, m/s^2."""
+
+
+def _fix_noise(
+    past: Lookback, imu: ImuMemory, gnss: GnssVelocity, fix: VelocitySample, parameters: FlightParameters
+) -> FixNoise:
+    """The noise of a fix: by the innovations, by what the receiver reports, and by the jitter of its time."""
+    sigma = clamp(NOISE_FACTOR * sqrt(gnss.innovation_power), parameters.velocity_floor, parameters.velocity_ceiling)
+    force = past.specific_force
+    accel = deadband((force[0], force[1], force[2] + parameters.gravity), DEADBAND_ACCEL)
+    jitter = square(parameters.fix_jitter_s) * dot(accel, accel)
+    # An acceleration between the samples belongs to the vehicle and not to the receiver: it is no contradiction.
+    hidden = square(parameters.fix_jitter_s * imu.hidden_acceleration)
+    # The receiver knows of some of its errors; it must not count as a contradiction where it says that it is poor.
+    reported = 0.0 if fix.sigma is None else fix.sigma * fix.sigma
+    trusted = square(min(sigma, parameters.velocity_sigma))
+    return FixNoise(max(sigma * sigma, reported) + jitter, max(trusted, reported) + jitter + hidden, accel)
 
 
 def _fuse_axes(
     nav: NavigationState,
     past: Lookback,
-    innovation_power: float,
+    noise: FixNoise,
     fix: VelocitySample,
     estimates_sensors: bool,
     parameters: FlightParameters,
 ) -> tuple[NavigationState, Innovation]:
     """The state after the axes of a fix, one after the other, and their record."""
-    sigma = clamp(NOISE_FACTOR * sqrt(innovation_power), parameters.velocity_floor, parameters.velocity_ceiling)
-    force = past.specific_force
-    accel = deadband((force[0], force[1], force[2] + parameters.gravity), DEADBAND_ACCEL)
-    jitter = square(parameters.fix_jitter_s) * dot(accel, accel)
-    # The receiver knows of some of its errors; it must not count as a contradiction where it says that it is poor.
-    reported = 0.0 if fix.sigma is None else fix.sigma * fix.sigma
-    variance = max(sigma * sigma, reported) + jitter
-    # For the consistency test the noise may not adapt upwards: a wrong attitude would inflate its own test limit.
-    trusted = max(square(min(sigma, parameters.velocity_sigma)), reported) + jitter
     residuals: list[float] = []
     variances: list[float] = []
     fusion = Fusion.USED
     for axis in range(3 if fix.vertical_known else 2):
-        measurement = velocity_measurement(nav, past, accel, fix, axis, parameters)
+        measurement = velocity_measurement(nav, past, noise.acceleration, fix, axis, parameters)
         cross_cov = cross_covariance_of(nav, measurement)
         residuals.append(measurement.residual)
-        variances.append(cross_cov.state_variance + trusted)
+        variances.append(cross_cov.state_variance + noise.trusted)
         on_gate = variance_on_gate(measurement.residual, cross_cov.state_variance, parameters.velocity_gate)
-        if on_gate > variance:
+        if on_gate > noise.variance:
             fusion = Fusion.INFLATED
-        nav = fuse(nav, measurement, cross_cov, max(variance, on_gate), estimates_sensors)
+        nav = fuse(nav, measurement, cross_cov, max(noise.variance, on_gate), estimates_sensors)
     observation = fix.v_ned if fix.vertical_known else (fix.v_ned[0], fix.v_ned[1])
     return nav, Innovation(Aid.VELOCITY, fusion, fix.t_ns, observation, tuple(residuals), tuple(variances))
 
