@@ -14,6 +14,8 @@ from attest_mav.estimation.events import LaneEventKind
 
 from .flying import fly
 
+pytestmark = pytest.mark.campaign
+
 UNTIL_S = 60.0
 SETTLED_S = 12.0
 LATER_S = 50.0

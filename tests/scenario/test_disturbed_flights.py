@@ -10,6 +10,8 @@ from attest_mav.evaluation.disturbed_flights.flight import Outcome, fly, misses
 from attest_mav.evaluation.disturbed_flights.row import Disturbance
 from attest_mav.evaluation.disturbed_flights.table import ROWS, line_of
 
+pytestmark = pytest.mark.campaign
+
 GOOD = Outcome(1.0, inf, 0.0, ((Agreement.AGREE, "agrees"),), 20.0, 0.02, 0.3, 0.1, 3)
 
 
