@@ -22,7 +22,6 @@ from attest_mav.filters.velocity_aided.aids.gravity import fuse_gravity
 from attest_mav.filters.velocity_aided.aids.magnetometer import Magnetometer, fuse_magnetometer, reading_is_due
 from attest_mav.filters.velocity_aided.aids.zero_mean_velocity import fuse_zero_mean_velocity
 from attest_mav.filters.velocity_aided.aids.zero_motion import Stationary, detect, fuse_zero_motion
-from attest_mav.filters.velocity_aided.bias_prior import follow_prior
 from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, body_rate
 from attest_mav.filters.velocity_aided.navigation import AidingMode, Navigation
@@ -64,9 +63,8 @@ def navigate(
     stationary = detect(before.stationary, reading, _speed_against_rest(fix, inputs), dt_s)
     nav, stationary = fuse_zero_motion(nav, stationary, has_velocity, estimates_sensors, sample.t_ns, parameters)
     mode = _aiding_mode(gnss, stationary, inputs, parameters)
-    wind, fallback, prior = before.wind, NO_FALLBACK, before.accel_prior
+    wind, fallback = before.wind, NO_FALLBACK
     if mode == AidingMode.VELOCITY:
-        nav, prior = follow_prior(nav, prior, dt_s, parameters)
         wind = estimate_wind(wind, nav, airspeed_ahead(inputs), dt_s)
     else:
         nav, fallback = _fuse_fallback(nav, before, mode, imu, inputs, dt_s, parameters)
@@ -81,7 +79,6 @@ def navigate(
         fallback,
         before.declination,
         mode,
-        prior,
         has_stepped=True,
     )
 

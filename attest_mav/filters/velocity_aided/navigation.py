@@ -11,7 +11,6 @@ from attest_mav.filters.velocity_aided.aids.fallback import Fallback
 from attest_mav.filters.velocity_aided.aids.gnss_velocity import GnssVelocity
 from attest_mav.filters.velocity_aided.aids.magnetometer import Magnetometer
 from attest_mav.filters.velocity_aided.aids.zero_motion import Stationary
-from attest_mav.filters.velocity_aided.bias_prior import BiasPrior
 from attest_mav.filters.velocity_aided.measurement import Measurement
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, cross_covariance_of, update
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
@@ -52,7 +51,6 @@ class Navigation(Record):
         fallback: Fallback,
         declination: float | None,
         mode: AidingMode,
-        accel_prior: BiasPrior,
         has_stepped: bool,
     ) -> None:
         self.estimate: Final = estimate
@@ -73,8 +71,6 @@ class Navigation(Record):
         """Assumed declination, rad; None while it is not known, and headings are magnetic."""
         self.mode: Final = mode
         """Which aid holds the attitude."""
-        self.accel_prior: Final = accel_prior
-        """How large the accelerometer's bias is expected to be."""
         self.has_stepped: Final = has_stepped
         """False at the start, whose memory still describes the time before a gap."""
 
@@ -117,7 +113,6 @@ class Navigation(Record):
             self.fallback,
             declination,
             self.mode,
-            self.accel_prior,
             self.has_stepped,
         )
 

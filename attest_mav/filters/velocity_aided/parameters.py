@@ -62,8 +62,7 @@ class FlightParameters(Record):
     gyro_scale_sigma: float = 0.004
     """1. 1-sigma of the gyro's scale error, per axis; 0 leaves it out of the state."""
     accel_bias_sigma: float = 0.09
-    """m/s^2. 1-sigma of the accelerometer's bias at the start, per axis; from then on the three axes show how
-    large it is (``bias_prior``). 0 leaves it out of the state."""
+    """m/s^2. 1-sigma of the accelerometer's bias at the start, per axis; 0 leaves it out of the state."""
     speed_noise: float = 4.0
     """m/s per root Hz. Noise of airspeed along the nose, and of zero sideways and downwards, of a vehicle that goes
     where it points; smaller takes slip and gusts for tilt."""

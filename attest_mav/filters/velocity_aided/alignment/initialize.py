@@ -13,7 +13,6 @@ from attest_mav.filters.velocity_aided.aids.gnss_velocity import initial_gnss_ve
 from attest_mav.filters.velocity_aided.aids.magnetometer import initial_magnetometer
 from attest_mav.filters.velocity_aided.aids.zero_motion import initial_stationary
 from attest_mav.filters.velocity_aided.alignment.solve import AlignmentMethod, InitialState
-from attest_mav.filters.velocity_aided.bias_prior import initial_prior
 from attest_mav.filters.velocity_aided.control import NO_FALLBACK
 from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock, diagonal_covariance
 from attest_mav.filters.velocity_aided.lags import first_lag_covariance, nominal_fix_lag_s, nominal_mag_lag_s
@@ -53,7 +52,6 @@ def first_navigation(
         fallback=NO_FALLBACK,
         declination=declination if declination_known else None,
         mode=AidingMode.COASTING,
-        accel_prior=initial_prior(parameters),
         has_stepped=False,
     )
 
@@ -84,7 +82,6 @@ def restarted_navigation(
         fallback=Fallback(before.fallback.since_update_s, None),
         declination=before.declination,
         mode=AidingMode.COASTING,
-        accel_prior=before.accel_prior,
         has_stepped=False,
     )
 
