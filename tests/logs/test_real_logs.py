@@ -39,11 +39,21 @@ def test_each_log_is_read_or_refused_for_a_reason(logs):
             assert ENOUGH * count <= samples <= count, (path.name, samples, count, source.refusals(plan))
 
 
-def tilt_rms(path):
+def report_on(path):
     with open_log(path) as data:
-        report = as_json("flight", replay(open_source(data, "flight"), Request(), Outputs()))
-    (ours,) = report["filters"]
+        return as_json("flight", replay(open_source(data, "flight"), Request(), Outputs()))
+
+
+def tilt_rms(path):
+    (ours,) = report_on(path)["filters"]
     return ours["tilt_deg"]["rms"]
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("name", ["copter_v344_crash.bin", "copter_v33_2015.tlog", "copter_v411_1hz_clock_steps.tlog"])
+def test_an_autopilot_that_flies_by_its_attitude_is_not_accused(logs, name):
+    (path,) = [path for path in logs if path.name == name]
+    assert report_on(path)["verdict"]["disagree_s"] == 0.0
 
 
 def test_the_autopilots_own_log_is_the_better_one(data_folder):
