@@ -97,11 +97,23 @@ def test_a_filter_of_ones_own_is_tuned_with_the_parameters_of_its_table(tmp_path
 
 
 OWN = """
-from attest_mav import GradientDescent
+from attest_mav import AttitudeFilter, GradientDescent
 
 
-class Turned(GradientDescent):
-    pass
+class Turned(AttitudeFilter):
+    def __init__(self, beta=GradientDescent().beta, full_fusion=True):
+        self.beta, self.full_fusion = beta, full_fusion
+        self._inner = GradientDescent(beta=beta, full_fusion=full_fusion)
+
+    @property
+    def name(self):
+        return "turned"
+
+    def initial(self, start):
+        return self._inner.initial(start)
+
+    def step(self, state, dt_s, sample, inputs):
+        return self._inner.step(state, dt_s, sample, inputs)
 """
 
 
