@@ -84,7 +84,7 @@ class FlightParameters(Record):
     fast manoeuvre between samples goes unnoticed."""
     accel_aliasing: float = 0.1
     """1. The same for the accelerometer, axis by axis, whatever the low-pass: vibration has an axis."""
-    aliasing_hold_s: float = 0.3
+    aliasing_hold_s: float = 0.5
     """s. Time constant with which the largest second difference decays, or eight steps where these are longer."""
 
     velocity_sigma: float = 0.25
