@@ -5,7 +5,7 @@ import numpy as np
 from attest_mav.errors import ArgumentError
 from attest_mav.estimation.sequence_rows import Columns
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.library.readings import Array, Readings
+from attest_mav.library.readings import Array, Readings, nanoseconds
 from attest_mav.library.running import sequence_of, stretches
 from attest_mav.library.solution import Innovations, Solution, continuous, in_frames
 from attest_mav.smoothing.noise import with_wide_priors
@@ -36,7 +36,7 @@ def smooth_readings(readings: Readings, parameters: FlightParameters | None = No
 def _solution(readings: Readings, trajectory: Trajectory, biases: Array) -> Solution:
     """The trajectory, which has no row for a reading that could not be one, as a row for each reading."""
     frames = readings.frames
-    rows = np.searchsorted(np.rint(readings.t * 1e9).astype(np.int64), trajectory.t_ns)
+    rows = np.searchsorted(nanoseconds(readings.t), trajectory.t_ns)
 
     def spread(values: Array) -> Array:
         found = np.full((len(readings), *values.shape[1:]), np.nan)
