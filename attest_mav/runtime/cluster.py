@@ -1,15 +1,16 @@
 """A map over the workers of a Dask cluster, which may be other computers.
 
 The scheduler repeats the task of a worker that has ended on another one. A task on which several workers have ended,
-or which gives no result in time, is given up, and the others go on. Dask is imported here alone.
+the last of them with no other task, or which gives no result in time, is given up, and the others go on. Dask is
+imported here alone.
 """
 
 import logging
 import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
-from functools import partial
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from importlib.util import find_spec
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Final, TypeVar
@@ -51,7 +52,7 @@ def cluster(address: str, probe: Probe, given_up: GivenUp, say: Callable[[str], 
     client = _connected(address)
     try:
         _check_workers(client, address, probe, say)
-        yield partial(_map, client, address, given_up)
+        yield _ClusterMap(client, address, given_up)
     finally:
         client.close(timeout=CONNECT_S)
 
@@ -100,42 +101,92 @@ def _check_workers(client: "Client", address: str, probe: Probe, say: Callable[[
         raise ClusterError(f"no worker of the Dask scheduler at {address} has answered; are they at other work?")
 
 
-def _map(
-    client: "Client", address: str, given_up: GivenUp, function: Callable[[Task], Result], tasks: Iterable[Task]
-) -> Iterator[Result]:
+@dataclass(frozen=True)
+class _NoResult:
+    """A task has given no result."""
+
+    reason: str
+    """For people."""
+    workers_ended: int = 0
+    """Workers that ended while they had the task; 0 where another thing is the reason."""
+
+
+class _ClusterMap:
     """The built-in ``map`` over the cluster, with a bounded number of tasks given out ahead of the next result."""
-    given: deque[tuple[Task, Future]] = deque()
-    for task in tasks:
-        given.append((task, client.submit(function, task, pure=False)))
-        if len(given) >= AHEAD * max(1, sum(_threads(client).values())):
-            yield _result(client, address, given_up, *given.popleft())
-    while given:
-        yield _result(client, address, given_up, *given.popleft())
+
+    def __init__(self, client: "Client", address: str, given_up: GivenUp) -> None:
+        self._client = client
+        self._address = address
+        self._given_up = given_up
+
+    def __call__(self, function: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
+        given: deque[tuple[Task, Future]] = deque()
+        for task in tasks:
+            given.append((task, self._client.submit(function, task, pure=False)))
+            if len(given) >= AHEAD * max(1, sum(_threads(self._client).values())):
+                yield self._first(function, given)
+        while given:
+            yield self._first(function, given)
+
+    def _first(self, function: Callable[[Task], Result], given: "deque[tuple[Task, Future]]") -> Any:
+        """The result of the first of the tasks that are given out.
+
+        The scheduler blames each task that a worker had when the worker ended, also those that waited there. A blamed
+        task is tried once more, after all others have ended: then no other one can end its worker.
+        """
+        from distributed import wait  # noqa: PLC0415  # an extra
+
+        task, future = given.popleft()
+        outcome = self._outcome(future)
+        if isinstance(outcome, _NoResult) and outcome.workers_ended:
+            with self._client.as_current(), suppress(TimeoutError):
+                wait([other for _, other in given], timeout=TASK_S)
+            workers = list(_threads(self._client))
+            alone = self._client.submit(function, task, pure=False, workers=workers[:1])
+            outcome = self._outcome(alone, outcome.workers_ended, *workers[:1])
+        return self._given_up(task, outcome.reason) if isinstance(outcome, _NoResult) else outcome
+
+    def _outcome(self, future: "Future", ended_before: int = 0, only_worker: str = "") -> Any:
+        """The result of a task as soon as it is there, or _NoResult; ClusterError when the cluster is gone.
+
+        ended_before: workers that the task has outlived. only_worker: the task may run on this one alone, where given.
+        """
+        begun = alive = monotonic()
+        while monotonic() - begun < TASK_S:
+            try:
+                error = future.exception(timeout=POLL_S)
+                if future.status == "finished":
+                    return future.result(timeout=POLL_S)
+            except TimeoutError:
+                error = None
+            if error is not None:
+                return _failed(error, ended_before)
+            if self._client.status != "running" or future.cancelled():
+                raise self._lost("the Dask scheduler at {} is gone; --results keeps what is done: start again")
+            workers = _threads(self._client)
+            if only_worker and only_worker not in workers:
+                future.cancel()
+                return _ended(ended_before + 1)
+            alive = monotonic() if workers else alive
+            if monotonic() - alive > WORKERS_S:
+                raise self._lost("all workers of the Dask scheduler at {} are gone; start some and this again")
+        future.cancel()
+        return _NoResult(f"no result after {TASK_S:g} s")
+
+    def _lost(self, reason: str) -> ClusterError:
+        return ClusterError(reason.format(self._address))
 
 
-def _result(client: "Client", address: str, given_up: GivenUp, task: Task, future: "Future") -> Any:
-    """The result of one task, as soon as it is there; ClusterError when the cluster is gone."""
+def _failed(error: BaseException, ended_before: int) -> _NoResult:
     from distributed import KilledWorker  # noqa: PLC0415  # an extra
 
-    begun = alive = monotonic()
-    while monotonic() - begun < TASK_S:
-        try:
-            error = future.exception(timeout=POLL_S)
-            if future.status == "finished":
-                return future.result(timeout=POLL_S)
-        except TimeoutError:
-            error = None
-        if isinstance(error, KilledWorker):
-            return given_up(task, f"{error.allowed_failures + 1} workers ended while they had it")
-        if error is not None:
-            return given_up(task, f"a worker failed with {type(error).__name__}: {error}")
-        if client.status != "running" or future.cancelled():
-            raise ClusterError(f"the Dask scheduler at {address} is gone; --results keeps what is done: start again")
-        alive = monotonic() if _threads(client) else alive
-        if monotonic() - alive > WORKERS_S:
-            raise ClusterError(f"all workers of the Dask scheduler at {address} are gone; start some and this again")
-    future.cancel()
-    return given_up(task, f"no result after {TASK_S:g} s")
+    if isinstance(error, KilledWorker):
+        return _ended(ended_before + error.allowed_failures + 1)
+    return _NoResult(f"a worker failed with {type(error).__name__}: {error}")
+
+
+def _ended(workers: int) -> _NoResult:
+    return _NoResult(f"{workers} workers ended while they had it", workers)
 
 
 def _threads(client: "Client") -> dict[str, int]:
