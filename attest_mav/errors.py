@@ -8,7 +8,7 @@
      +-- UnreadableDataError 65  a file that is missing, empty, or not what it should be
      +-- UnwritableError     65  a result that cannot be written
      +-- LinkError           69  a port or device that cannot be opened
-     +-- ClusterError        69  a Dask cluster that does not answer
+     +-- WorkersError        69  processes or computers that were to help and are gone
      +-- ConfigError         78  a configuration key or value
 
 Bad *samples* never raise: they are counted results (see ``attest_mav.estimation``). Anything that escapes and is not
@@ -46,8 +46,8 @@ class LinkError(AttestMavError):
     exit_code = 69
 
 
-class ClusterError(AttestMavError):
-    """A Dask scheduler does not answer, or has no workers that can do the work."""
+class WorkersError(AttestMavError):
+    """Helping processes have ended, or a Dask cluster does not answer or cannot do the work."""
 
     exit_code = 69
 

@@ -153,7 +153,7 @@ def replay_spread(
     from attest_mav.runtime.processes import processes  # noqa: PLC0415 - with it comes multiprocessing
 
     count = min(workers or os.cpu_count() or 1, len(logs))
-    return _replay_over(processes(count), logs, request, parts)
+    return _replay_over(processes(count, _given_up), logs, request, parts)
 
 
 def replay_on_cluster(logs: list[str], request: Request, address: str, parts: Parts | None = None) -> Iterator[Outcome]:
@@ -209,7 +209,7 @@ def described(seen: Sequence[str]) -> str:
 
 
 def _given_up(task: Task, reason: str) -> Helped:
-    """The outcome of a log that no worker has replayed; the rows that one may have written are dropped."""
+    """The outcome of a log that no process has replayed; the rows that one may have written are dropped."""
     if task.part:
         drop(task.part)
     return None, UnreadableDataError(f"{task.path}: given up: {reason}")

@@ -15,8 +15,8 @@ from importlib.util import find_spec
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
-from attest_mav.errors import ClusterError, UsageError
-from attest_mav.runtime.processes import AHEAD, TaskMap
+from attest_mav.errors import UsageError, WorkersError
+from attest_mav.runtime.processes import AHEAD, GivenUp, TaskMap
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -34,8 +34,6 @@ POLL_S: Final = 1.0
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
-GivenUp = Callable[[Any, str], Any]
-"""The result of a task that was given up, with the reason for people."""
 Probe = Callable[[], str]
 """Names the program of a worker, its version and its Python; an exception says why it cannot do the work."""
 
@@ -45,7 +43,7 @@ def cluster(address: str, probe: Probe, given_up: GivenUp, say: Callable[[str], 
     """A map over the workers of the cluster with a scheduler at that address; results in the order of the tasks.
 
     probe: is called on each worker, and here, and the answers are compared. say: takes remarks for people.
-    ClusterError without a scheduler or worker, UsageError without Dask.
+    WorkersError without a scheduler or worker, UsageError without Dask.
     """
     if find_spec("distributed") is None:
         raise UsageError("--dask needs Dask: install the extra cluster, as with pip install 'attest-mav[cluster]'")
@@ -71,17 +69,17 @@ def _connected(address: str) -> "Client":
             return distributed.Client(address, timeout=CONNECT_S, set_as_default=False)
     except (OSError, ValueError) as error:
         reason = "nobody answers" if isinstance(error, OSError) else str(error)
-        raise ClusterError(
+        raise WorkersError(
             f"no Dask scheduler at {address}: {reason}; expected HOST:PORT of one that runs (dask scheduler)"
         ) from None
 
 
 def _check_workers(client: "Client", address: str, probe: Probe, say: Callable[[str], None]) -> None:
-    """ClusterError unless a worker can do the work; a remark on each whose program is another one."""
+    """WorkersError unless a worker can do the work; a remark on each whose program is another one."""
     try:
         client.wait_for_workers(1, timeout=WORKERS_S)
     except TimeoutError:
-        raise ClusterError(
+        raise WorkersError(
             f"the Dask scheduler at {address} has no workers after {WORKERS_S:g} s; start some (dask worker {address})"
         ) from None
     asked = {worker: client.submit(probe, workers=[worker], pure=False) for worker in _threads(client)}
@@ -93,12 +91,12 @@ def _check_workers(client: "Client", address: str, probe: Probe, say: Callable[[
             say(f"worker {worker} has not answered in {ANSWER_S:g} s")
             continue
         if error is not None:
-            raise ClusterError(f"worker {worker} cannot do the work: {error}; expected {ours} there")
+            raise WorkersError(f"worker {worker} cannot do the work: {error}; expected {ours} there")
         answered += 1
         if (theirs := answer.result()) != ours:
             say(f"worker {worker} has {theirs}; here is {ours}: results may differ")
     if not answered:
-        raise ClusterError(f"no worker of the Dask scheduler at {address} has answered; are they at other work?")
+        raise WorkersError(f"no worker of the Dask scheduler at {address} has answered; are they at other work?")
 
 
 @dataclass(frozen=True)
@@ -147,7 +145,7 @@ class _ClusterMap:
         return self._given_up(task, outcome.reason) if isinstance(outcome, _NoResult) else outcome
 
     def _outcome(self, future: "Future", ended_before: int = 0, only_worker: str = "") -> Any:
-        """The result of a task as soon as it is there, or _NoResult; ClusterError when the cluster is gone.
+        """The result of a task as soon as it is there, or _NoResult; WorkersError when the cluster is gone.
 
         ended_before: workers that the task has outlived. only_worker: the task may run on this one alone, where given.
         """
@@ -173,8 +171,8 @@ class _ClusterMap:
         future.cancel()
         return _NoResult(f"no result after {TASK_S:g} s")
 
-    def _lost(self, reason: str) -> ClusterError:
-        return ClusterError(reason.format(self._address))
+    def _lost(self, reason: str) -> WorkersError:
+        return WorkersError(reason.format(self._address))
 
 
 def _failed(error: BaseException, ended_before: int) -> _NoResult:

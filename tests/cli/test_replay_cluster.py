@@ -17,7 +17,7 @@ from pyarrow.parquet import read_table
 from attest_mav.cli.replay import command
 from attest_mav.cli.replay_tables import tables
 from attest_mav.cli.replay_work import Task, _given_up, described
-from attest_mav.errors import ClusterError, UnreadableDataError, UnwritableError, UsageError
+from attest_mav.errors import UnreadableDataError, UnwritableError, UsageError, WorkersError
 from attest_mav.runtime import cluster as module
 from attest_mav.runtime.cluster import cluster
 
@@ -158,7 +158,7 @@ def test_a_task_that_ends_its_workers_is_given_up_alone_and_a_lost_scheduler_end
             results = task_map(counting(tmp_path), ["8", "9"])
             assert next(results) == 8
             running.end()
-            with pytest.raises(ClusterError, match="is gone; --results keeps what is done"):
+            with pytest.raises(WorkersError, match="is gone; --results keeps what is done"):
                 next(results)
     finally:
         running.end()
@@ -181,7 +181,7 @@ def test_a_worker_that_cannot_do_the_work_is_named_at_once(two_workers):
         return "attest-mav"
 
     with (
-        pytest.raises(ClusterError, match=r"worker tcp://127.0.0.1:\d+ cannot do the work: no logs here"),
+        pytest.raises(WorkersError, match=r"worker tcp://127.0.0.1:\d+ cannot do the work: no logs here"),
         cluster(two_workers.address, impossible, given_up, print),
     ):
         pass
@@ -191,7 +191,7 @@ def test_nobody_at_the_address_is_one_line(monkeypatch, folder):
     monkeypatch.setattr(module, "CONNECT_S", 0.5)
     for address, words in (("127.0.0.1:1", "nobody answers"), ("localhost", "missing port"), ("odd://x:1", "scheme")):
         error = replay(folder, "--dask", address).exception
-        assert isinstance(error, ClusterError)
+        assert isinstance(error, WorkersError)
         assert error.exit_code == 69
         assert words in str(error)
         assert "expected HOST:PORT" in str(error)
@@ -202,7 +202,7 @@ def test_a_scheduler_without_workers_is_left(monkeypatch, tmp_path):
     alone = Cluster(tmp_path, 0)
     try:
         with (
-            pytest.raises(ClusterError, match=r"has no workers after 0.5 s; start some"),
+            pytest.raises(WorkersError, match=r"has no workers after 0.5 s; start some"),
             cluster(alone.address, os.getpid, given_up, print),
         ):
             pass
