@@ -54,10 +54,12 @@ def smoothed(before: Smoothed, reading: Vec3, dt_s: float, time_s: float) -> Smo
 def aliased_share(cutoff_hz: float, dt_s: float) -> float:
     """The part of a signal's motion between two samples that the samples may miss, 0 to 1.
 
-    x^2 / (1 + x^2) with x = cutoff_hz dt_s: a low-pass far below the rate of the samples leaves nothing to miss. 1
-    where there is no low-pass (cutoff_hz = 0).
+    x^4 / (1 + x^4) with x = cutoff_hz dt_s, the power that a second-order Butterworth low-pass leaves of a motion at
+    the rate of the samples: one far below that rate leaves nothing to miss. 1 where there is no low-pass (cutoff_hz
+    = 0).
     """
     if cutoff_hz <= 0.0:
         return 1.0
     x = cutoff_hz * dt_s
-    return x * x / (1.0 + x * x)
+    fourth = x * x * x * x
+    return fourth / (1.0 + fourth)

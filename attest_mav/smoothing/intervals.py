@@ -126,8 +126,8 @@ def _aliasing(
     readings: Recording, dt_s: Array, gyro_bend: Array, accel_bend: Array, parameters: FlightParameters
 ) -> tuple[Array, Array]:
     """The largest second differences of late, of the gyro that its low-pass lets hide, and of the accelerometer."""
-    square = (parameters.low_pass_hz * dt_s) ** 2
-    share = square / (1.0 + square) if parameters.low_pass_hz > 0.0 else np.ones_like(dt_s)
+    fourth = (parameters.low_pass_hz * dt_s) ** 4  # as attest_mav.low_pass.aliased_share
+    share = fourth / (1.0 + fourth) if parameters.low_pass_hz > 0.0 else np.ones_like(dt_s)
     bend = share * np.sqrt((gyro_bend**2).sum(axis=1))
     rate = np.sqrt((readings.gyro**2).sum(axis=1))
     hidden = np.where(rate > FAST_TURN, rate, SATURATED_RATE)

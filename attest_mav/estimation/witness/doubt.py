@@ -8,7 +8,7 @@ FIELD_DOUBT_NS: Final = 1_400_000_000
 """The first time of a field residual; one that stays is the field's own."""
 FIELD_CLEAR_NS: Final = 2_000_000_000
 """A residual that was absent for so long is a new one when it comes again."""
-PROBATION_FIXES: Final = 10
+PROBATION_FIXES: Final = 20
 PROBATION_INNOVATION: Final = 0.15
 PROBATION_USUALS: Final = 4.0
 """After all gyros were found to have stepped, so many fixes in a row must be within both limits, m/s."""

@@ -7,7 +7,7 @@ difference over a second or two is what the scatter does not average out.
 from math import sqrt
 from typing import Final
 
-from attest_mav.algebra import hypotenuse, norm, sub
+from attest_mav.algebra import norm, sub
 from attest_mav.estimation.witness.dispute import LanePair
 from attest_mav.estimation.witness.flight_state import accel_bias
 from attest_mav.estimation.witness.lane_watch import LaneWatch
@@ -35,13 +35,9 @@ def noise_of(pair: LanePair, lane: LaneWatch, one: VelocityAided) -> SensorNoise
     mean = max(
         norm(sub(pair.longer.difference().accel, offset)), norm(sub(pair.second_long.difference().accel, offset))
     )
-    recent = pair.recent.difference()
-    mean = min(mean, LARGEST_MEAN)
-    accel = hypotenuse(_density(norm(recent.accel_scatter), newest.dt_s), MEAN_WEIGHT * mean * sqrt(MEAN_S / 6.0))
-    gyro = _density(norm(recent.gyro_scatter), newest.dt_s)
+    accel = MEAN_WEIGHT * min(mean, LARGEST_MEAN) * sqrt(MEAN_S / 6.0)
     return SensorNoise(
-        max(parameters.accel_noise, accel, 0.0 if known is None else FALL * known.accel),
-        max(parameters.gyro_noise, gyro, 0.0 if known is None else FALL * known.gyro),
+        max(parameters.accel_noise, accel, 0.0 if known is None else FALL * known.accel), parameters.gyro_noise
     )
 
 

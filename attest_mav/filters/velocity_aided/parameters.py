@@ -51,7 +51,7 @@ class FlightParameters(Record):
     late when it is new, and 55 ms where a message of 50 Hz shows it first."""
     mag_delay_sigma: float = 0.03
     """s. 1-sigma of that delay at the start."""
-    declination_sigma: float = radians(1.0)
+    declination_sigma: float = radians(1.2)
     """rad. 1-sigma of the declination at the place together with the mounting of the compass."""
     hard_iron: float = 0.010
     """gauss. 1-sigma of the magnetometer's bias that calibration leaves, per axis; 0 leaves it out of the state."""
@@ -61,19 +61,19 @@ class FlightParameters(Record):
     """rad/s. 1-sigma of the gyro's bias at the start, per axis."""
     gyro_scale_sigma: float = 0.004
     """1. 1-sigma of the gyro's scale error, per axis; 0 leaves it out of the state."""
-    accel_bias_sigma: float = 0.09
+    accel_bias_sigma: float = 0.123
     """m/s^2. 1-sigma of the accelerometer's bias at the start, per axis; 0 leaves it out of the state."""
     speed_noise: float = 4.0
     """m/s per root Hz. Noise of airspeed along the nose, and of zero sideways and downwards, of a vehicle that goes
     where it points; smaller takes slip and gusts for tilt."""
 
     gyro_noise: float = 1e-4
-    """rad per root s. White noise of the gyro."""
-    gyro_rate_noise: float = 2e-3
+    """rad per root s. White noise of the gyro; in flight the larger one counts that its readings show."""
+    gyro_rate_noise: float = 5e-4
     """rad per root s for each rad/s. Noise that grows with the rate: misalignment, timing."""
-    accel_noise: float = 0.02
-    """m/s per root s. White noise of the accelerometer."""
-    gyro_bias_walk: float = 2e-4
+    accel_noise: float = 0.045
+    """m/s per root s. White noise of the accelerometer; in flight the larger one counts that its readings show."""
+    gyro_bias_walk: float = 2.2e-4
     """rad/s per root s. Drift of the gyro's bias. Too small and the estimate cannot follow a warming gyro; too large
     and the heading wanders with every disturbance of the field."""
     accel_bias_walk: float = 1e-4
@@ -88,13 +88,13 @@ class FlightParameters(Record):
     """s. Time constant with which the largest second difference decays, or eight steps where these are longer."""
 
     velocity_sigma: float = 0.25
-    """m/s. Noise of a fix at the start; from then on it is twice the rms of the innovations. Also the largest noise
+    """m/s. Noise of a fix at the start; from then on it is 2.5 times the rms of the innovations. Also the largest noise
     that the consistency test allows for."""
-    velocity_floor: float = 0.05
+    velocity_floor: float = 0.04
     """m/s. Least noise of a fix: errors that last do not show in innovations."""
-    velocity_ceiling: float = 0.5
+    velocity_ceiling: float = 1.0
     """m/s. Largest noise of a fix, short of the inflation to the gate."""
-    fix_jitter_s: float = 0.03
+    fix_jitter_s: float = 0.035
     """s. Jitter of a fix's time; as noise it is multiplied by the acceleration, and in the consistency test by the
     acceleration that the inertial samples may not have shown too."""
     fix_spacing_s: float = 0.19

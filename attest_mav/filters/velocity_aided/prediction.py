@@ -6,7 +6,7 @@ Integration: Groves, Principles of GNSS, Inertial, and Multisensor Integrated Na
 over a flat Earth that does not turn; noise as in section 14.2.
 """
 
-from math import exp, pi
+from math import exp, pi, sqrt
 from typing import Final
 
 from mypy_extensions import mypyc_attr
@@ -23,6 +23,7 @@ from attest_mav.filters.velocity_aided.nav_state import (
 )
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.reading import Reading
+from attest_mav.filters.velocity_aided.white_noise import WhiteNoise, no_white_noise, observed
 from attest_mav.low_pass import aliased_share
 from attest_mav.matrices import add_diagonal, mat_add, mat_scale, rotated_diagonal
 from attest_mav.record import Record
@@ -60,6 +61,8 @@ class ImuMemory(Record):
         specific_force: Vec3,
         gyro_aliasing: float,
         accel_aliasing: Vec3,
+        gyro_white: WhiteNoise,
+        accel_white: WhiteNoise,
         history: DeltaVelocityHistory,
     ) -> None:
         self.gyro: Final = gyro
@@ -78,6 +81,10 @@ class ImuMemory(Record):
         """Largest second difference of the gyro of late that its low-pass lets hide, rad/s, decaying."""
         self.accel_aliasing: Final = accel_aliasing
         """Largest second difference of the accelerometer of late in each axis of the body, m/s^2, decaying."""
+        self.gyro_white: Final = gyro_white
+        """White noise of the gyro, rad/s."""
+        self.accel_white: Final = accel_white
+        """White noise of the accelerometer, m/s^2."""
         self.history: Final = history
         """Recent gains of velocity."""
 
@@ -102,6 +109,8 @@ class ImuMemory(Record):
             specific_force_ned(nav, self.accel),
             self.gyro_aliasing,
             self.accel_aliasing,
+            self.gyro_white,
+            self.accel_white,
             self.history,
         )
 
@@ -110,7 +119,8 @@ def initial_memory(nav: NavigationState, reading: Reading, t_ns: int) -> ImuMemo
     """The memory at the first sample of a navigation."""
     zero: Vec3 = (0.0, 0.0, 0.0)
     force = specific_force_ned(nav, reading.accel)
-    return ImuMemory(reading.gyro, reading.accel, zero, zero, 0.0, force, 0.0, zero, empty_history(t_ns))
+    quiet = no_white_noise()
+    return ImuMemory(reading.gyro, reading.accel, zero, zero, 0.0, force, 0.0, zero, quiet, quiet, empty_history(t_ns))
 
 
 def specific_force_ned(nav: NavigationState, accel: Vec3) -> Vec3:
@@ -160,7 +170,7 @@ def _remember(
     """The memory after a step."""
     fade = exp(-dt_s / max(parameters.aliasing_hold_s, HELD_SAMPLES * dt_s))
     share = aliased_share(parameters.low_pass_hz, dt_s)
-    gyro_now = share * three_point.gyro_second_difference
+    gyro_now = share * norm(three_point.gyro_second_difference)
     if reading.saturated:
         rate = norm(reading.gyro)
         gyro_now = rate if rate > FAST_TURN else SATURATED_RATE
@@ -180,6 +190,8 @@ def _remember(
             largest(abs(y), unseen, fade * held_y),
             largest(abs(z), unseen, fade * held_z),
         ),
+        observed(before.gyro_white, three_point.gyro_second_difference, dt_s),
+        observed(before.accel_white, three_point.accel_second_difference, dt_s),
         history,
     )
 
@@ -192,7 +204,7 @@ class ThreePoint(Record):
         self,
         gyro_change: Vec3,
         accel_change: Vec3,
-        gyro_second_difference: float,
+        gyro_second_difference: Vec3,
         accel_second_difference: Vec3,
         trapezoid_excess: Vec3,
     ) -> None:
@@ -201,7 +213,7 @@ class ThreePoint(Record):
         self.accel_change: Final = accel_change
         """First difference of the accelerometer, m/s^2."""
         self.gyro_second_difference: Final = gyro_second_difference
-        """Length of the second difference of the gyro, rad/s."""
+        """Second difference of the gyro, rad/s."""
         self.accel_second_difference: Final = accel_second_difference
         """Second difference of the accelerometer, m/s^2."""
         self.trapezoid_excess: Final = trapezoid_excess
@@ -216,7 +228,7 @@ def _three_point(memory: ImuMemory, reading: Reading, dt_s: float) -> ThreePoint
     even = MAX_STEP_RATIO * dt_s > memory.dt_s > dt_s / MAX_STEP_RATIO
     excess: Vec3 = scale(second_difference, 1.0 / 12.0) if even else (0.0, 0.0, 0.0)
     accel_second_difference = sub(accel_change, memory.accel_change)
-    return ThreePoint(gyro_change, accel_change, norm(second_difference), accel_second_difference, excess)
+    return ThreePoint(gyro_change, accel_change, second_difference, accel_second_difference, excess)
 
 
 def _nonlinear_heading_noise(delta_velocity: Vec3, heading_sigma: float, dt_s: float) -> float:
@@ -242,13 +254,15 @@ def _process_noise(
 ) -> ProcessNoise:
     """The noise of a step at this rate, rad/s. rotation_dt: body to NED times the step."""
     x, y, z = memory.accel_aliasing
-    least = OTHER_AXES**2 * (x * x + y * y + z * z)
     share = square(parameters.accel_aliasing)
-    unseen = (share * max(x * x, least), share * max(y * y, least), share * max(z * z, least))
+    white = max(square(parameters.accel_noise) / dt_s, memory.accel_white.variance)
+    least = max(white, share * OTHER_AXES**2 * (x * x + y * y + z * z))
+    unseen = (max(share * x * x, least), max(share * y * y, least), max(share * z * z, least))
+    gyro_noise = max(parameters.gyro_noise, sqrt(memory.gyro_white.variance * dt_s))
     return ProcessNoise(
-        square(parameters.gyro_noise + parameters.gyro_rate_noise * rate) * dt_s
+        square(gyro_noise + parameters.gyro_rate_noise * rate) * dt_s
         + square(parameters.gyro_aliasing * memory.gyro_aliasing * dt_s),
-        add_diagonal(rotated_diagonal(rotation_dt, unseen), square(parameters.accel_noise) * dt_s + heading_noise),
+        add_diagonal(rotated_diagonal(rotation_dt, unseen), heading_noise),
         square(parameters.gyro_bias_walk) * dt_s,
         square(parameters.accel_bias_walk) * dt_s if parameters.accel_bias_sigma > 0.0 else 0.0,
         square(parameters.hard_iron_walk) * dt_s if parameters.hard_iron > 0.0 else 0.0,

@@ -174,13 +174,13 @@ def test_a_field_that_stays_off_is_doubted_once():
     assert doubt.active(20 * S)
 
 
-def test_probation_ends_after_ten_small_innovations_in_a_row():
+def test_probation_ends_after_twenty_small_innovations_in_a_row():
     doubt = Doubt()
     doubt.begin_probation()
-    for _ in range(9):
+    for _ in range(19):
         doubt.fix_on_probation(0.05, 0.05, field_fits=True)
     doubt.fix_on_probation(1.0, 0.05, field_fits=True)
-    for _ in range(9):
+    for _ in range(19):
         doubt.fix_on_probation(0.05, 0.05, field_fits=True)
     assert doubt.active(0)
     doubt.fix_on_probation(0.05, 0.05, field_fits=True)

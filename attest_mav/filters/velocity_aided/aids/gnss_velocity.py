@@ -1,8 +1,8 @@
 """Velocity fixes: delayed, of unknown quality, sometimes wrong.
 
-A fix is compared with the velocity of the instant it belongs to. Its variance follows the innovations: twice their rms,
-so that errors that last, which innovations do not show, are allowed for. A fix outside the gate is not rejected: its
-variance is inflated until it lies on the gate. After a gap, when the state's own variance is large, that changes
+A fix is compared with the velocity of the instant it belongs to. Its deviation follows the innovations: 2.5 times their
+rms, so that errors that last, which innovations do not show, are allowed for. A fix outside the gate is not rejected:
+its variance is inflated until it lies on the gate. After a gap, when the state's own variance is large, that changes
 nothing and the fix is fused in full; a hard gate would lock the filter out. (Adaptive noise and innovation filtering:
 Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., sections 3.4 and 17.3.)
 """
@@ -38,8 +38,10 @@ POWER_STEP: Final = 4.0
 """One innovation counts for at most this many times the mean square."""
 POWER_FLOOR: Final = 1e-6
 """(m/s)^2: what it may always count for."""
-NOISE_FACTOR: Final = 2.0
-"""The noise of a fix as a multiple of the innovations' rms."""
+NOISE_FACTOR: Final = 2.5
+"""The noise of a fix as a multiple of the innovations' rms: errors that last for seconds weigh more than they show."""
+SHOWN_FACTOR: Final = 2.0
+"""The same in the consistency test, which asks for the innovation that is to be expected."""
 NIS_SHARE: Final = 0.1
 """Weight of a new fix in the mean normalised innovation squared: at 5 Hz a memory of 2 s."""
 
@@ -145,7 +147,8 @@ def _fix_noise(
     past: Lookback, imu: ImuMemory, gnss: GnssVelocity, fix: VelocitySample, parameters: FlightParameters
 ) -> FixNoise:
     """The noise of a fix: by the innovations, by what the receiver reports, and by the jitter of its time."""
-    sigma = clamp(NOISE_FACTOR * sqrt(gnss.innovation_power), parameters.velocity_floor, parameters.velocity_ceiling)
+    usual, floor = sqrt(gnss.innovation_power), parameters.velocity_floor
+    sigma = clamp(NOISE_FACTOR * usual, floor, parameters.velocity_ceiling)
     force = past.specific_force
     accel = deadband((force[0], force[1], force[2] + parameters.gravity), DEADBAND_ACCEL)
     jitter = square(parameters.fix_jitter_s) * dot(accel, accel)
@@ -153,7 +156,7 @@ def _fix_noise(
     hidden = square(parameters.fix_jitter_s * imu.hidden_acceleration)
     # The receiver knows of some of its errors; it must not count as a contradiction where it says that it is poor.
     reported = 0.0 if fix.sigma is None else fix.sigma * fix.sigma
-    trusted = square(min(sigma, parameters.velocity_sigma))
+    trusted = square(clamp(SHOWN_FACTOR * usual, floor, parameters.velocity_sigma))
     return FixNoise(max(sigma * sigma, reported) + jitter, max(trusted, reported) + jitter + hidden, accel)
 
 
