@@ -51,6 +51,18 @@ class Checked:
         return f"{self.name} is {self.value:.3f}; at most {self.limit:g} is allowed"
 
 
+class LogResult:
+    """One log: the limits held against it, or the error that prevented the replay.
+
+    error: the reason why the log could not be read, "" for one that was.
+    """
+
+    def __init__(self, log: str, checked: Sequence[Checked] = (), error: str = "") -> None:
+        self.log: Final = log
+        self.checked: Final = checked
+        self.error: Final = error
+
+
 def parse_limit(text: str, names: Sequence[str] = LIMITED) -> Limit:
     """The limit of ``NAME=VALUE``; UsageError for another form, a name of no figure or a value that is no number."""
     name, equals, number = text.partition("=")

@@ -10,6 +10,9 @@ from attest_mav.cli.collector import SELDOM, seldom_collected
 LAPS = Path(__file__).parent.parent / "data" / "copter_square_laps.tlog"
 HEAVY = (
     "rich",
+    "tempfile",
+    "zipfile",
+    "xml.etree.ElementTree",
     "numpy",
     "pyarrow",
     "msgspec",
