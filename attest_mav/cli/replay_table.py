@@ -2,12 +2,11 @@
 
 from collections.abc import Iterator
 from math import floor, log10
-from textwrap import fill
 from typing import Any
 
 import click
 
-from attest_mav.cli.text_table import TextTable, figures, screen_width, words
+from attest_mav.cli.text_table import TextTable, figures, folded, screen_width, words
 from attest_mav.replay.peaks import time_of_day
 
 VERDICT_ROWS = 12
@@ -26,7 +25,7 @@ def print_report(report: dict[str, Any]) -> None:
         click.echo(table.text(width), nl=False)
     for interval in _shown(report["verdict"]["intervals"]):
         if interval["sensors"] or interval["autopilot_reports"]:
-            click.echo(fill(_remark(interval), width, initial_indent="  ", subsequent_indent="  "))
+            click.echo(folded(_remark(interval), width, indent="  "))
 
 
 def _tables(report: dict[str, Any]) -> Iterator[TextTable]:

@@ -5,7 +5,7 @@ rich would cost a replay 30 ms, a tenth of the whole.
 
 import os
 import sys
-from textwrap import wrap
+from textwrap import fill
 from typing import Final
 
 import click
@@ -74,14 +74,14 @@ class TextTable:
 
     def _lines(self, cells: tuple[str, ...], widths: list[int], rise: bool = False) -> list[str]:
         """The lines of a row. rise: empty lines stand above short cells, as they do above figures."""
-        folded = [_folded(cell, width) for cell, width in zip(cells, widths, strict=True)]
-        height = max(len(lines) for lines in folded)
+        parts = [_cell_lines(cell, width) for cell, width in zip(cells, widths, strict=True)]
+        height = max(len(lines) for lines in parts)
         placed = []
-        for lines, column, width in zip(folded, self._columns, widths, strict=True):
-            fill = [""] * (height - len(lines))
-            whole = [*fill, *lines] if rise or column.is_figure else [*lines, *fill]
+        for lines, column, width in zip(parts, self._columns, widths, strict=True):
+            spare = [""] * (height - len(lines))
+            whole = [*spare, *lines] if rise or column.is_figure else [*lines, *spare]
             placed.append([line.rjust(width) if column.is_figure else line.ljust(width) for line in whole])
-        return [f" {'  '.join(parts)}".rstrip() for parts in zip(*placed, strict=True)]
+        return [f" {'  '.join(line)}".rstrip() for line in zip(*placed, strict=True)]
 
 
 def screen_width() -> int:
@@ -92,6 +92,12 @@ def screen_width() -> int:
         return PIPE_COLUMNS
 
 
-def _folded(cell: str, width: int) -> list[str]:
+def folded(text: str, width: int, indent: str = "") -> str:
+    """A text in lines of at most ``width`` characters, each behind the indent."""
+    return fill(text, width, initial_indent=indent, subsequent_indent=indent, break_on_hyphens=False)
+
+
+def _cell_lines(cell: str, width: int) -> list[str]:
     """The lines of a cell, none longer than the column is wide."""
-    return [part for line in cell.split("\n") for part in (wrap(line, width) if len(line) > width else [line])]
+    lines = [folded(line, width) if len(line) > width else line for line in cell.split("\n")]
+    return "\n".join(lines).split("\n")
