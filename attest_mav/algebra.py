@@ -5,6 +5,7 @@ are unboxed by the compiler, which is why everything here is written out. Quater
 ``attest_mav.types`` for the frames.
 """
 
+from collections.abc import Iterable
 from math import acos, asin, atan2, cos, pi, sin, sqrt
 
 from attest_mav.types import Mat3, Quat, Vec3
@@ -31,6 +32,13 @@ def largest(a: float, b: float, c: float) -> float:
     """The largest of three: compiled, max() of more than two makes objects of them."""
     larger = a if a >= b else b
     return larger if larger >= c else c
+
+
+def median(values: Iterable[float]) -> float:
+    """The middle one of the values in order, or the mean of the middle two. Loading ``statistics`` takes 3 ms."""
+    ordered = sorted(values)
+    middle = len(ordered) // 2
+    return ordered[middle] if len(ordered) % 2 else 0.5 * (ordered[middle - 1] + ordered[middle])
 
 
 # --- vectors -------------------------------------------------------------------------------------------------------

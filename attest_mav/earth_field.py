@@ -1,11 +1,11 @@
 """The Earth's magnetic field at a place and date, by the World Magnetic Model."""
 
 import sys
-from dataclasses import dataclass
 from importlib.util import find_spec, module_from_spec
 from math import radians
 from typing import Any, Final
 
+from attest_mav.record import Record
 from attest_mav.types import EarthField
 
 SECONDS_PER_YEAR: Final = 31_556_952.0
@@ -19,16 +19,16 @@ PLAUSIBLE_YEAR: Final = 2005.0
 """Clocks that say less were never set (1970, 1980, 2000): MAVLink is younger."""
 
 
-@dataclass(frozen=True)
-class LocalField:
+class LocalField(Record):
     """The direction of the field at a place."""
 
-    declination_deg: float
-    """Magnetic north east of true north, degrees."""
-    inclination_deg: float
-    """Below the horizontal, degrees; NaN where only the declination was given."""
-    source: str
-    """The model, with place and date."""
+    def __init__(self, declination_deg: float, inclination_deg: float, source: str) -> None:
+        self.declination_deg: Final = declination_deg
+        """Magnetic north east of true north, degrees."""
+        self.inclination_deg: Final = inclination_deg
+        """Below the horizontal, degrees; NaN where only the declination was given."""
+        self.source: Final = source
+        """The model, with place and date."""
 
     @property
     def direction(self) -> EarthField:

@@ -9,7 +9,7 @@ from attest_mav.record import Record
 from attest_mav.types import North, Quat, Vec3
 
 
-@mypyc_attr(acyclic=True)  # as Sample
+@mypyc_attr(acyclic=True, free_list_len=1)  # as Sample
 class Estimate(Record):
     """Attitude of one lane's filter at one IMU sample.
 

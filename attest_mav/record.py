@@ -1,4 +1,8 @@
-"""The base of all records: plain classes whose constructor takes their fields by name, and which are set once."""
+"""The base of all records: plain classes whose constructor takes their fields by name, and which are set once.
+
+Records that are made and freed at every sample have ``free_list_len=1``: compiled, the last one that was freed lends
+its memory to the next one.
+"""
 
 from inspect import signature
 from typing import Any

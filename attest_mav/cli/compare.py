@@ -6,6 +6,7 @@ from typing import Any, Final
 
 import click
 
+from attest_mav.cli.text_table import TextTable, figures, screen_width, words
 from attest_mav.replay.limits import Checked, parse_limit
 from attest_mav.replay.results_comparison import (
     FIGURES,
@@ -84,29 +85,15 @@ def as_object(comparison: ResultsComparison, checked: list[Checked]) -> dict[str
 
 def print_comparison(comparison: ResultsComparison, rows: int) -> None:
     """Print the worst rows, and remarks on the logs that differ otherwise."""
-    from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - only when shown
-    from rich.console import Console  # noqa: PLC0415 - only when shown
-    from rich.table import Table  # noqa: PLC0415 - only when shown
-
-    from attest_mav.cli.replay_table import PIPE_COLUMNS  # noqa: PLC0415 - only when shown
-
-    console = Console(markup=False, highlight=False, emoji=False)
-    if not console.is_terminal:
-        console = Console(markup=False, highlight=False, emoji=False, width=PIPE_COLUMNS)
-    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    table.add_column("after less before,\nthe worst first", overflow="fold")
-    table.add_column("filter", overflow="fold")
-    for label in ("tilt\nrms deg", "heading\nrms deg", "DISAGREE\ns", "undecided\ns"):
-        table.add_column(label, justify="right", no_wrap=True)
+    labels = ("tilt\nrms deg", "heading\nrms deg", "DISAGREE\ns", "undecided\ns")
+    table = TextTable(words("after less before,\nthe worst first"), words("filter"), *figures(*labels))
     for one in comparison.changes[:rows]:
         table.add_row(click.format_filename(PurePath(one.log).name), one.filter, *_cells(one))
     if len(comparison.changes) > rows:
         table.caption = f"{rows} of {len(comparison.changes)} rows; --rows and --json show more"
-    with console.capture() as capture:  # rich would end the process itself where nobody reads
-        console.print(table)
-        for remark in _remarks(comparison):
-            console.print(f"  {remark}", soft_wrap=True)
-    click.echo(capture.get(), nl=False)
+    click.echo(table.text(screen_width()), nl=False)
+    for remark in _remarks(comparison):
+        click.echo(f"  {remark}")
 
 
 def _cells(change: Change) -> list[str]:

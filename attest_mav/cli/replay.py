@@ -1,9 +1,10 @@
 """``attest-mav replay``: filters over recorded flights, compared with a reference."""
 
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack, nullcontext
 from dataclasses import replace
 from functools import partial
 from math import inf
+from typing import TYPE_CHECKING
 
 import click
 
@@ -18,20 +19,7 @@ from attest_mav.cli.replay_options import (
     vehicle_of,
     window_of,
 )
-from attest_mav.cli.replay_tables import parts_folder, tables
-from attest_mav.cli.replay_work import (
-    MANY,
-    Parts,
-    Replayed,
-    Showing,
-    Work,
-    junit_file,
-    replay_here,
-    replay_on_cluster,
-    replay_spread,
-    report_file,
-    resumed,
-)
+from attest_mav.cli.replay_work import MANY, Replayed, Showing, Work, junit_file, replay_here, report_file, resumed
 from attest_mav.cli.smoothing import smoothed
 from attest_mav.cli.version import version_text
 from attest_mav.filters.registry import filter_names
@@ -42,7 +30,9 @@ from attest_mav.replay.plan import check_names
 from attest_mav.replay.request import Request
 from attest_mav.runtime.files import atomic_write
 from attest_mav.runtime.log_paths import log_paths
-from attest_mav.runtime.results import Results
+
+if TYPE_CHECKING:
+    from attest_mav.cli.replay_tables import Tables
 
 
 @click.command("replay")
@@ -193,19 +183,22 @@ def command(
     showing = Showing(tuple(parse_limit(text) for text in limits), json_lines, len(paths) > MANY)
     with ExitStack() as stack:
         stack.enter_context(seldom_collected())
-        written = stack.enter_context(tables(csv_path, parquet_path))
+        written = stack.enter_context(_tables(csv_path, parquet_path))
         annotated = None if tlog_path is None else stack.enter_context(atomic_write(tlog_path))
         page = None if report_path is None else stack.enter_context(report_file(report_path))
         stack.enter_context(junit_file(junit_path, showing.results))
         replayed: Replayed = partial(replay_here, work=Work(request, written, annotated, page))
         if scheduler is not None or not is_alone:
-            folder = None if written is None else stack.enter_context(parts_folder(csv_path, parquet_path))
-            parts = None if written is None or folder is None else Parts(written, folder)
+            from attest_mav.cli.replay_spread import opened_parts, replay_on_cluster, replay_spread  # noqa: PLC0415
+
+            parts = stack.enter_context(opened_parts(written, csv_path, parquet_path))
             replayed = partial(replay_spread, request=request, workers=workers, parts=parts)
             if scheduler is not None:
                 replayed = partial(replay_on_cluster, request=request, address=scheduler, parts=parts)
         outcomes = replayed(paths)
         if results_path is not None:
+            from attest_mav.runtime.results import Results  # noqa: PLC0415 - for --results only
+
             work = (
                 f"{version_text()} {chosen} {pipeline} {imu} {reference} {declination_deg} {window} {vehicle} {smooths}"
             )
@@ -220,3 +213,12 @@ def command(
             # Leaving the block by an exception, so that no output file appears.
             click.get_current_context().exit(showing.exit_code)
     click.get_current_context().exit(showing.exit_code)
+
+
+def _tables(csv_path: str | None, parquet_path: str | None) -> "AbstractContextManager[Tables | None]":
+    """The tables that are wanted; their modules are loaded with them."""
+    if csv_path is None and parquet_path is None:
+        return nullcontext()
+    from attest_mav.cli.replay_tables import tables  # noqa: PLC0415 - where they are wanted only
+
+    return tables(csv_path, parquet_path)

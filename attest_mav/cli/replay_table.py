@@ -1,18 +1,14 @@
 """The report of a replay as a table for people."""
 
+from collections.abc import Iterator
 from math import floor, log10
 from typing import Any
 
 import click
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.padding import Padding
-from rich.table import Table
 
+from attest_mav.cli.text_table import TextTable, figures, folded, screen_width, words
 from attest_mav.replay.peaks import time_of_day
 
-PIPE_COLUMNS = 80
-"""Width where there is no terminal to ask."""
 VERDICT_ROWS = 12
 """Intervals of the verdict that the table shows at most."""
 CONSISTENT = ("63.2", "98.2", "99.9", "1.00", "68.3", "95.4", "99.7", "1.00")
@@ -21,27 +17,27 @@ CONSISTENT = ("63.2", "98.2", "99.9", "1.00", "68.3", "95.4", "99.7", "1.00")
 
 def print_report(report: dict[str, Any]) -> None:
     """Print one log's report (``attest_mav.replay.report.as_json``) on standard output."""
-    console = Console(markup=False, highlight=False, emoji=False)
-    if not console.is_terminal:
-        console = Console(markup=False, highlight=False, emoji=False, width=PIPE_COLUMNS)
-    with console.capture() as capture:  # rich would end the process itself where nobody reads
-        console.print(click.format_filename(report["log"]), style="bold", soft_wrap=True)
-        for label, text in _header(report):
-            console.print(f"  {label:<10} {text}", soft_wrap=True)
-        console.print(_table(report))
-        if any(one["tilt_deg"] is not None for one in _rows(report)):
-            console.print(_peak_table(report))
-        if any(one["consistency"] is not None for one in report["filters"]):
-            console.print(_sigma_table(report))
-            console.print(_innovation_table(report))
-        verdict = report["verdict"]
-        if verdict["intervals"]:
-            shown = _shown(verdict["intervals"])
-            console.print(_verdict_table(verdict, shown))
-            for interval in shown:
-                if interval["sensors"] or interval["autopilot_reports"]:
-                    console.print(Padding(_remark(interval), (0, 0, 0, 2)))
-    click.echo(capture.get(), nl=False)
+    width = screen_width()
+    click.secho(click.format_filename(report["log"]), bold=True)
+    for label, text in _header(report):
+        click.echo(f"  {label:<10} {text}")
+    for table in _tables(report):
+        click.echo(table.text(width), nl=False)
+    for interval in _shown(report["verdict"]["intervals"]):
+        if interval["sensors"] or interval["autopilot_reports"]:
+            click.echo(folded(_remark(interval), width, indent="  "))
+
+
+def _tables(report: dict[str, Any]) -> Iterator[TextTable]:
+    """The tables that have something to show."""
+    yield _table(report)
+    if any(one["tilt_deg"] is not None for one in _rows(report)):
+        yield _peak_table(report)
+    if any(one["consistency"] is not None for one in report["filters"]):
+        yield _sigma_table(report)
+        yield _innovation_table(report)
+    if report["verdict"]["intervals"]:
+        yield _verdict_table(report["verdict"])
 
 
 def _header(report: dict[str, Any]) -> list[tuple[str, str]]:
@@ -77,7 +73,7 @@ def _compared(report: dict[str, Any]) -> list[dict[str, Any]]:
     return [*report["filters"], *([] if smoothed is None or not smoothed["samples"] else [smoothed])]
 
 
-def _table(report: dict[str, Any]) -> Table:
+def _table(report: dict[str, Any]) -> TextTable:
     """One row a filter, and the autopilot's own below them."""
     heading = "heading" if report["north"]["reference"] == "true" else "magn.\nheading"
     table = _figure_table("error", "tilt\nrms", "p95", "max", f"{heading}\nrms", "p95", "max", "compared\nsamples")
@@ -85,7 +81,7 @@ def _table(report: dict[str, Any]) -> Table:
         table.add_row(one["name"], *_figures(one), str(one["samples"]))
     own = report["autopilot"]
     if own is not None:
-        table.add_row(f"autopilot's {own['message']}", *_figures(own), str(own["samples"]), style="dim")
+        table.add_row(f"autopilot's {own['message']}", *_figures(own), str(own["samples"]), dim=True)
     return table
 
 
@@ -95,7 +91,7 @@ def _rows(report: dict[str, Any]) -> list[dict[str, Any]]:
     return report["filters"] if own is None else [*report["filters"], {**own, "name": f"autopilot's {own['message']}"}]
 
 
-def _peak_table(report: dict[str, Any]) -> Table:
+def _peak_table(report: dict[str, Any]) -> TextTable:
     """Instant and phase of the largest errors; the time of day, UTC, where the log tells it."""
     rows = _rows(report)
     has_utc = any(one["tilt_deg"] is not None and one["tilt_deg"]["max_at_unix_s"] is not None for one in rows)
@@ -114,18 +110,18 @@ def _peak(figures: dict[str, Any] | None, has_utc: bool) -> tuple[str, str]:
     return at, figures["max_phase"]
 
 
-def _sigma_table(report: dict[str, Any]) -> Table:
+def _sigma_table(report: dict[str, Any]) -> TextTable:
     """One row a filter that has sigmas, and below them what a consistent one would show; ratio: error / sigma."""
     columns = [label for kind in ("tilt", "heading") for label in (f"{kind}\n1 sigma", "2", "3", "ratio\nrms")]
     table = _figure_table("its own sigma:\n% within", *columns)
     for one in _compared(report):
         if one["consistency"] is not None:
             table.add_row(one["name"], *_shares(one["consistency"]["tilt"]), *_shares(one["consistency"]["heading"]))
-    table.add_row("if consistent", *CONSISTENT, style="dim")
+    table.add_row("if consistent", *CONSISTENT, dim=True)
     return table
 
 
-def _innovation_table(report: dict[str, Any]) -> Table:
+def _innovation_table(report: dict[str, Any]) -> TextTable:
     """One row a filter that has sigmas: its innovations, and the part of the flight in which it is sure."""
     table = _figure_table("innovations", "mean NIS,\nvelocity", "mean NIS,\nmagn.", "sigma\n< 1 deg", "tilt rms\nthere")
     for one in report["filters"]:
@@ -134,13 +130,9 @@ def _innovation_table(report: dict[str, Any]) -> Table:
     return table
 
 
-def _figure_table(name: str, *figures: str) -> Table:
-    """A table with names in its first column, and figures, which are never cut, in the others."""
-    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    table.add_column(name)
-    for label in figures:
-        table.add_column(label, justify="right", no_wrap=True, vertical="bottom")
-    return table
+def _figure_table(name: str, *labels: str) -> TextTable:
+    """A table with names in its first column, and figures in the others."""
+    return TextTable(words(name), *figures(*labels))
 
 
 def _shown(intervals: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -148,12 +140,11 @@ def _shown(intervals: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return sorted(sorted(intervals, key=_importance)[:VERDICT_ROWS], key=_start)
 
 
-def _verdict_table(verdict: dict[str, Any], shown: list[dict[str, Any]]) -> Table:
+def _verdict_table(verdict: dict[str, Any]) -> TextTable:
     """The intervals of the verdict beside one filter."""
     labels = ("from\ns", "to\ns", "largest\ntilt", "largest\nheading")
-    table = _figure_table(f"verdict beside\n{verdict['filter']}", *labels)
-    table.add_column("reason")
-    for interval in shown:
+    table = TextTable(words(f"verdict beside\n{verdict['filter']}"), *figures(*labels), words("reason"))
+    for interval in _shown(verdict["intervals"]):
         angles = [
             "-" if interval[key] is None else f"{interval[key]:.1f}" for key in ("peak_tilt_deg", "peak_heading_deg")
         ]

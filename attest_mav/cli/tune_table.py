@@ -4,11 +4,8 @@ from pathlib import PurePath
 from typing import Any, Final
 
 import click
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.table import Table
 
-from attest_mav.cli.replay_table import PIPE_COLUMNS
+from attest_mav.cli.text_table import TextTable, figures, screen_width, words
 
 SHOWN: Final = 10
 """So many points and logs are shown."""
@@ -16,23 +13,19 @@ SHOWN: Final = 10
 
 def print_result(result: dict[str, Any]) -> None:
     """Print the object of ``attest_mav.cli.tune.as_object`` on standard output."""
-    console = Console(markup=False, highlight=False, emoji=False)
-    if not console.is_terminal:
-        console = Console(markup=False, highlight=False, emoji=False, width=PIPE_COLUMNS)
-    with console.capture() as capture:  # rich would end the process itself where nobody reads
-        console.print(f"{result['filter']}, cost {result['cost']}: degrees, mean over the logs", style="bold")
-        for table in (_points(result), _flatness(result), _logs(result)):
-            console.print(table)
-        for remark in _remarks(result):
-            console.print(f"  {remark}", soft_wrap=True)
-    click.echo(capture.get(), nl=False)
+    width = screen_width()
+    click.secho(f"{result['filter']}, cost {result['cost']}: degrees, mean over the logs", bold=True)
+    for table in (_points(result), _flatness(result), _logs(result)):
+        click.echo(table.text(width), nl=False)
+    for remark in _remarks(result):
+        click.echo(f"  {remark}")
     click.echo(f"\n{result['toml']}", nl=False)
 
 
-def _points(result: dict[str, Any]) -> Table:
+def _points(result: dict[str, Any]) -> TextTable:
     """The configured values and the best points."""
     points = result["points"]
-    table = _table("values", "tuning\nlogs", "checking\nlogs")
+    table = TextTable(words("values"), *figures("tuning\nlogs", "checking\nlogs"))
     for label, one in [("configured: ", result["configured"]), *(("", one) for one in points[:SHOWN])]:
         values = ", ".join(f"{name} {_value(value)}" for name, value in one["parameters"].items())
         table.add_row(label + values, _cost(one["cost"]), _cost(one["check_cost"]))
@@ -41,10 +34,10 @@ def _points(result: dict[str, Any]) -> Table:
     return table
 
 
-def _flatness(result: dict[str, Any]) -> Table:
+def _flatness(result: dict[str, Any]) -> TextTable:
     """The cost one step of each parameter away from the best point, and its change."""
     best = result["points"][0]["cost"]
-    table = _table("around the best", "below", "cost", "best", "above", "cost", "largest\nchange")
+    table = TextTable(words("around the best"), *figures("below", "cost", "best", "above", "cost", "largest\nchange"))
     for one in result["flatness"]:
         sides = [one[side] for side in ("below", "above")]
         costs = [side["cost"] for side in sides if side is not None and side["cost"] is not None]
@@ -56,9 +49,9 @@ def _flatness(result: dict[str, Any]) -> Table:
     return table
 
 
-def _logs(result: dict[str, Any]) -> Table:
+def _logs(result: dict[str, Any]) -> TextTable:
     """Each log with its cost before and after."""
-    table = _table("log", "part", "reference", "configured", "best")
+    table = TextTable(words("log"), words("part"), words("reference"), *figures("configured", "best"))
     for one in result["logs"][:SHOWN]:
         name = click.format_filename(PurePath(one["log"]).name)
         role = "checks" if one["checks"] else "tunes"
@@ -84,14 +77,6 @@ def _remarks(result: dict[str, Any]) -> list[str]:
     if result["unusable"]:
         remarks.append(f"{len(result['unusable'])} logs could not be used; the errors say why")
     return remarks
-
-
-def _table(name: str, *figures: str) -> Table:
-    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    table.add_column(name, overflow="fold", vertical="bottom")
-    for label in figures:
-        table.add_column(label, justify="right", overflow="fold", vertical="bottom")
-    return table
 
 
 def _cost(value: float | None) -> str:

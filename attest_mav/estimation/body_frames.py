@@ -14,11 +14,11 @@ Sources: ArduPilot's AP_NavEKF3_Outputs.cpp, AP_AHRS.cpp, AP_AHRS_Logging.cpp an
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final
 
 from attest_mav.algebra import q_exp, q_from_euler, q_mul, scale
+from attest_mav.record import Record
 from attest_mav.types import AttitudeForm, Quat, Vec3, Version
 from attest_mav.vehicle_settings import Estimator
 
@@ -39,29 +39,41 @@ class TrimForm(IntEnum):
     VECTOR = 3
 
 
-@dataclass(frozen=True)
-class FrameRule:
+class FrameRule(Record):
     """The frame of one message or log record, as far as it depends on firmware and estimator."""
 
-    autopilot: int
-    """MAV_AUTOPILOT."""
-    source: str
-    """The message or log record."""
-    trim: TrimForm
-    written: AttitudeForm = AttitudeForm.EULER
-    """How the record writes the attitude."""
-    estimators: tuple[Estimator, ...] = ()
-    """The estimators that it holds for; empty for all."""
-    since: Version = FIRST
-    """The first firmware that it holds for."""
-    until: Version = LAST
-    """The first firmware that it does not hold for any more."""
-    pitch_trim: bool = False
-    """True where a plane's pitch trim is taken off the pitch."""
-    hover_view: bool = False
-    """True where a plane in the hover shows its other view."""
-    secondary: bool = False
-    """True for an attitude of the secondary estimator; ``estimators`` then speaks of that one."""
+    def __init__(
+        self,
+        autopilot: int,
+        source: str,
+        trim: TrimForm,
+        written: AttitudeForm = AttitudeForm.EULER,
+        estimators: tuple[Estimator, ...] = (),
+        since: Version = FIRST,
+        until: Version = LAST,
+        pitch_trim: bool = False,
+        hover_view: bool = False,
+        secondary: bool = False,
+    ) -> None:
+        self.autopilot: Final = autopilot
+        """MAV_AUTOPILOT."""
+        self.source: Final = source
+        """The message or log record."""
+        self.trim: Final = trim
+        self.written: Final = written
+        """How the record writes the attitude."""
+        self.estimators: Final = estimators
+        """The estimators that it holds for; empty for all."""
+        self.since: Final = since
+        """The first firmware that it holds for."""
+        self.until: Final = until
+        """The first firmware that it does not hold for any more."""
+        self.pitch_trim: Final = pitch_trim
+        """True where a plane's pitch trim is taken off the pitch."""
+        self.hover_view: Final = hover_view
+        """True where a plane in the hover shows its other view."""
+        self.secondary: Final = secondary
+        """True for an attitude of the secondary estimator; ``estimators`` then speaks of that one."""
 
 
 QUATERNION: Final = AttitudeForm.QUATERNION

@@ -34,7 +34,7 @@ class Member:
         self.heading_sigma: Final = heading_sigma
 
 
-@mypyc_attr(acyclic=True)  # as Sample
+@mypyc_attr(acyclic=True, free_list_len=1)  # as Sample
 class Difference:
     """The autopilot's attitude beside one of ours.
 

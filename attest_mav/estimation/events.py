@@ -65,7 +65,7 @@ class Agreement(IntEnum):
     DISAGREE = 2
 
 
-@mypyc_attr(acyclic=True)  # as Sample
+@mypyc_attr(acyclic=True, free_list_len=1)  # as Sample
 class Verdict:
     """Whether the autopilot's attitude agrees with ours, and the reason.
 

@@ -28,7 +28,7 @@ MAX_WAITING: Final = 32
 """Attitudes that wait for an estimate; the oldest is given up."""
 
 
-@mypyc_attr(acyclic=True)  # as Sample
+@mypyc_attr(acyclic=True, free_list_len=1)  # as Sample
 class Carried(Record):
     """Our attitude at the time of one of the autopilot's.
 

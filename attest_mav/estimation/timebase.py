@@ -59,7 +59,7 @@ class StepKind(IntEnum):
     """Further back, or ahead of its own arrival: to be dropped, unless the next stamps continue from it."""
 
 
-@mypyc_attr(acyclic=True)  # as Sample
+@mypyc_attr(acyclic=True, free_list_len=1)  # as Sample
 class TimeStep(Record):
     """One classified step. ``dt_s`` is positive for STEP, GAP and RESTART and 0 otherwise.
 

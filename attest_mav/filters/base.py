@@ -71,7 +71,7 @@ class Airspeed(Record):
         """Who measured or made it."""
 
 
-@mypyc_attr(acyclic=True)  # as samples.Sample
+@mypyc_attr(acyclic=True, free_list_len=1)  # as samples.Sample
 class FilterInputs(Record):
     """Everything known besides the inertial sample, at the time of the sample."""
 

@@ -4,7 +4,6 @@ The readers of a format are loaded with the first log of it: all of them take 20
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Final
 
 from attest_mav.logs.dataflash.roles import DATAFLASH_ROLES
@@ -14,16 +13,16 @@ from attest_mav.logs.tlog.roles import TLOG_ROLES
 from attest_mav.logs.ulog.roles import ULOG_ROLES
 
 
-@dataclass(frozen=True)
 class ReadableFormat:
     """One row of the table."""
 
-    words: str
-    """The format for people."""
-    open_source: Callable[[LogBytes], LogSource]
-    """Makes a source of the bytes of a log."""
-    roles: MessageRoles
-    """The messages of the format."""
+    def __init__(self, words: str, open_source: Callable[[LogBytes], LogSource], roles: MessageRoles) -> None:
+        self.words: Final = words
+        """The format for people."""
+        self.open_source: Final = open_source
+        """Makes a source of the bytes of a log."""
+        self.roles: Final = roles
+        """The messages of the format."""
 
 
 def _open_tlog(data: LogBytes) -> LogSource:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import Final, Protocol, runtime_checkable
 
 from attest_mav.estimate import Estimate
+from attest_mav.record import Record
 from attest_mav.samples import PositionSample, Sample
 from attest_mav.vehicle_reports import ParameterSample
 from attest_mav.vehicle_settings import VehicleSettings
@@ -47,13 +48,13 @@ class MessageRoles:
     """By inertial message those of the vehicle's other inertial sensors."""
 
 
-@dataclass(frozen=True)
-class FlightDate:
+class FlightDate(Record):
     """The date of a flight."""
 
-    unix_s: float
-    note: str = ""
-    """A remark for people, "" if nothing speaks against the date."""
+    def __init__(self, unix_s: float, note: str = "") -> None:
+        self.unix_s: Final = unix_s
+        self.note: Final = note
+        """A remark for people, "" if nothing speaks against the date."""
 
 
 @dataclass(frozen=True)

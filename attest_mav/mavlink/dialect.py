@@ -5,10 +5,10 @@ zeros off, so a payload is extended with zeros before it is unpacked.
 """
 
 from collections.abc import Mapping
-from importlib import import_module
 from struct import Struct, calcsize
 from typing import Any, Final
 
+from attest_mav.mavlink.message_table import message_rows
 from attest_mav.mavlink.wire.checksum import MIRROR
 
 FieldValue = int | float | bytes | list[int] | list[float]
@@ -138,19 +138,5 @@ class Dialect:
 
 
 def load_dialect(module: str = "pymavlink.dialects.v20.all") -> Dialect:
-    """The dialect from one of pymavlink's generated modules. ``all`` loads as fast as ``common`` does."""
-    classes = import_module(module).mavlink_map.values()
-    return Dialect([_layout(message) for message in classes])
-
-
-def _layout(message: Any) -> Layout:
-    """The layout of one of pymavlink's message classes."""
-    codes = []
-    for code, length, text in zip(
-        bytes(message.native_format[1:]).decode(), message.lengths, message.array_lengths, strict=True
-    ):
-        if code == "c":
-            codes.append(f"{max(text, 1)}s")
-        else:
-            codes.append(code if length == 1 else f"{length}{code}")
-    return Layout(message.id, message.msgname, message.crc_extra, list(message.ordered_fieldnames), codes)
+    """The dialect of one of pymavlink's generated modules."""
+    return Dialect([Layout(*row) for row in message_rows(module)])

@@ -17,7 +17,7 @@ from attest_mav.replay.steady_tilt import SteadyTilt
 from attest_mav.types import North, Quat
 
 
-@mypyc_attr(acyclic=True)  # as Sample
+@mypyc_attr(acyclic=True, free_list_len=1)  # as Sample
 class Attitude(Record):
     """One attitude to be compared. Sigmas and innovations are those of ``Estimate``."""
 
@@ -122,17 +122,18 @@ class Comparison:
             self.consistency.take_step(attitude.tilt_sigma, attitude.innovations)
         tilt: float | None = None
         heading: float | None = None
-        truth = self._reference.at(attitude.t_ns)
-        if truth is not None:
-            tilt = tilt_between(attitude.q_nb, truth)
+        knot = self._reference.at(attitude.t_ns)
+        if knot is not None:
+            tilt = tilt_between(attitude.q_nb, knot.q_nb)
             if attitude.north == North.TRUE:
-                heading = heading_between(attitude.q_nb, truth)
+                heading = heading_between(attitude.q_nb, knot.q_nb)
             if attitude.counted:
                 self._count(attitude, tilt, heading)
-                self.steady_tilt.add(attitude.q_nb, truth)
+                self.steady_tilt.add(attitude.q_nb, knot.q_nb)
         elif attitude.counted:
             self._miss(attitude)
         if self._sink is not None:
+            truth = None if knot is None else knot.q_nb
             self._sink.write(ComparedAttitude(self.name, attitude, tilt, heading, truth))
 
     def _miss(self, attitude: Attitude) -> None:

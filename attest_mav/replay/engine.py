@@ -5,7 +5,7 @@ is needed. Every filter gets a pipeline of its own, so that filters run together
 Nothing grows with the log but the columns of errors and of intervals.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 from attest_mav.earth_field import LocalField
@@ -22,6 +22,7 @@ from attest_mav.logs.source import (
     Progress,
     VehicleSummary,
 )
+from attest_mav.record import Record
 from attest_mav.replay.flight import Flight
 from attest_mav.replay.north import north_of
 from attest_mav.replay.notes import all_notes, choice_notes
@@ -36,33 +37,37 @@ SUMMARY_SHARE: Final = 0.2
 """Approximate share of the first pass in the time of a replay, for the progress."""
 
 
-@dataclass(frozen=True)
 class Replay:
     """The result of one log."""
 
-    summary: LogSummary
-    plan: Plan
-    earth_field: LocalField | None
-    """None if headings stay magnetic."""
-    flight: Flight
-    notes: tuple[str, ...]
-    """Remarks for the reader of the figures, a line each."""
+    def __init__(
+        self, summary: LogSummary, plan: Plan, earth_field: LocalField | None, flight: Flight, notes: tuple[str, ...]
+    ) -> None:
+        self.summary: Final = summary
+        self.plan: Final = plan
+        self.earth_field: Final = earth_field
+        """None if headings stay magnetic."""
+        self.flight: Final = flight
+        self.notes: Final = notes
+        """Remarks for the reader of the figures, a line each."""
 
 
-@dataclass(frozen=True)
-class Recording:
+class Recording(Record):
     """The samples of a log, decoded once for many flights over them or over edited forms of them.
 
     A ``Flight`` takes them with the same plan and field, and with filters that know the settings.
     """
 
-    plan: Plan
-    earth_field: LocalField | None
-    """None if headings stay magnetic."""
-    settings: VehicleSettings
-    """The settings of the vehicle."""
-    samples: list[Sample]
-    """All samples of the plan's vehicle, in order of time."""
+    def __init__(
+        self, plan: Plan, earth_field: LocalField | None, settings: VehicleSettings, samples: list[Sample]
+    ) -> None:
+        self.plan: Final = plan
+        self.earth_field: Final = earth_field
+        """None if headings stay magnetic."""
+        self.settings: Final = settings
+        """The settings of the vehicle."""
+        self.samples: Final = samples
+        """All samples of the plan's vehicle, in order of time."""
 
 
 def replay(source: LogSource, request: Request, outputs: Outputs) -> Replay:

@@ -1,20 +1,9 @@
 """The outcomes of replays as JUnit's XML, which continuous-integration servers read."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
-from attest_mav.replay.limits import Checked
-
-
-@dataclass(frozen=True)
-class LogResult:
-    """One log: the limits held against it, or the error that prevented the replay."""
-
-    log: str
-    checked: Sequence[Checked] = ()
-    error: str = ""
-    """The reason why the log could not be read, "" for one that was."""
+from attest_mav.replay.limits import LogResult
 
 
 def junit_xml(results: Sequence[LogResult]) -> bytes:

@@ -1,11 +1,11 @@
 """Limits on the figures of a replay: the largest value that each may have."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import isfinite
 from typing import Any, Final
 
 from attest_mav.errors import UsageError
+from attest_mav.record import Record
 
 SPREADS: Final = tuple(f"{kind}.{figure}" for kind in ("tilt", "heading") for figure in ("rms", "p95", "max"))
 """Errors in degrees, of each filter; behind ``AUTOPILOT`` those of the autopilot."""
@@ -17,24 +17,24 @@ LIMITED: Final = (*SPREADS, *(AUTOPILOT + name for name in SPREADS), *VERDICT_TI
 """The names of all figures that can be limited."""
 
 
-@dataclass(frozen=True)
-class Limit:
+class Limit(Record):
     """The largest value of one figure, degrees or seconds."""
 
-    name: str
-    most: float
+    def __init__(self, name: str, most: float) -> None:
+        self.name: Final = name
+        self.most: Final = most
 
 
-@dataclass(frozen=True)
-class Checked:
+class Checked(Record):
     """A limit held against one figure.
 
     name: that of the limit, with the filter's where there are several. value: None where nothing was compared.
     """
 
-    name: str
-    value: float | None
-    limit: float
+    def __init__(self, name: str, value: float | None, limit: float) -> None:
+        self.name: Final = name
+        self.value: Final = value
+        self.limit: Final = limit
 
     @property
     def passes(self) -> bool:
@@ -49,6 +49,18 @@ class Checked:
         if self.value is None:
             return f"{self.name}: nothing was compared; at most {self.limit:g} is allowed"
         return f"{self.name} is {self.value:.3f}; at most {self.limit:g} is allowed"
+
+
+class LogResult:
+    """One log: the limits held against it, or the error that prevented the replay.
+
+    error: the reason why the log could not be read, "" for one that was.
+    """
+
+    def __init__(self, log: str, checked: Sequence[Checked] = (), error: str = "") -> None:
+        self.log: Final = log
+        self.checked: Final = checked
+        self.error: Final = error
 
 
 def parse_limit(text: str, names: Sequence[str] = LIMITED) -> Limit:

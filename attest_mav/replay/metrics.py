@@ -2,25 +2,26 @@
 
 from array import array
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import degrees, floor, fsum, radians, sqrt
 from typing import Final
+
+from attest_mav.record import Record
 
 P95: Final = 0.95
 SURE: Final = radians(1.0)
 """A filter is called sure of its tilt while its tilt sigma is below this, rad."""
 
 
-@dataclass(frozen=True)
-class Spread:
+class Spread(Record):
     """Figures of one kind of error, degrees."""
 
-    rms: float
-    """Root mean square."""
-    p95: float
-    """95th percentile of the absolute values."""
-    max: float
-    """Largest absolute value."""
+    def __init__(self, rms: float, p95: float, max: float) -> None:  # noqa: A002 - a key of the contract
+        self.rms: Final = rms
+        """Root mean square."""
+        self.p95: Final = p95
+        """95th percentile of the absolute values."""
+        self.max: Final = max
+        """Largest absolute value."""
 
 
 class ErrorColumns:

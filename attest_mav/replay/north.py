@@ -1,23 +1,24 @@
 """The north that headings refer to: the declination, and where it comes from."""
 
-from dataclasses import dataclass
 from math import degrees, isfinite, nan
+from typing import Final
 
 from attest_mav.earth_field import LocalField, field_at, simulated_field_at
 from attest_mav.logs.source import FlightDate, VehicleSummary
+from attest_mav.record import Record
 from attest_mav.samples import PositionSample
 from attest_mav.types import EarthField
 from attest_mav.vehicle_settings import Setting
 
 
-@dataclass(frozen=True)
-class LocalNorth:
+class LocalNorth(Record):
     """True north as far as the log tells it."""
 
-    field: LocalField | None
-    """None if headings stay magnetic: they are then not compared with a reference, which is true."""
-    notes: tuple[str, ...] = ()
-    """Remarks for people."""
+    def __init__(self, field: LocalField | None, notes: tuple[str, ...] = ()) -> None:
+        self.field: Final = field
+        """None if headings stay magnetic: they are then not compared with a reference, which is true."""
+        self.notes: Final = notes
+        """Remarks for people."""
 
     @property
     def direction(self) -> EarthField:

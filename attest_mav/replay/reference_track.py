@@ -79,21 +79,29 @@ class ReferenceTrack:
         """True if further samples cannot change ``at`` for this time."""
         return bool(self._times) and t_ns < self._times[-1] + STAMP_NS
 
-    def at(self, t_ns: int) -> Quat | None:
-        """The reference's attitude then; None where ``lack`` has a reason."""
-        above = bisect_right(self._times, t_ns)
+    def at(self, t_ns: int) -> Knot | None:
+        """The reference then, or the sample that holds then; None where ``lack`` has a reason."""
+        above = self._count_until(t_ns)
         if above == 0:
             return None
         before = self._knots[above - 1]
         if t_ns < before.t_ns + STAMP_NS:
-            return before.q_nb
+            return before
         if above == len(self._times):
             return None
         after = self._knots[above]
         if error_bound(before, after, t_ns) <= MAX_ERROR:
-            return interpolate(before, after, t_ns)
+            return Knot(t_ns, interpolate(before, after, t_ns), None)
         path = self._path_between(before, after)
-        return path.at(t_ns) if path is not None and path.error_bound(t_ns) <= MAX_ERROR else None
+        return Knot(t_ns, path.at(t_ns), None) if path is not None and path.error_bound(t_ns) <= MAX_ERROR else None
+
+    def _count_until(self, t_ns: int) -> int:
+        """Number of samples until then: nearly all of them, as the track has mostly just passed that time."""
+        times = self._times
+        count = len(times)
+        while count > 0 and times[count - 1] > t_ns:
+            count -= 1
+        return count
 
     def lack(self, t_ns: int) -> Lack:
         """The reason why ``at`` gives nothing."""

@@ -87,15 +87,21 @@ class Request:
         )
 
 
-@dataclass(frozen=True)
 class Outputs:
     """The receivers of a replay's by-products; None for no receiver."""
 
-    attitudes: ComparisonSink | None = None
-    """Receives every attitude with its errors."""
-    annotated: ByteSink | None = None
-    """Receives the log with the first filter's attitudes inserted."""
-    progress: Progress | None = None
-    """Is told the share of the work done, 0 to 1, once a stretch of the log."""
-    observer: FlightObserver | None = None
-    """Sees the flight as it is replayed."""
+    def __init__(
+        self,
+        attitudes: ComparisonSink | None = None,
+        annotated: ByteSink | None = None,
+        progress: Progress | None = None,
+        observer: FlightObserver | None = None,
+    ) -> None:
+        self.attitudes: Final = attitudes
+        """Receives every attitude with its errors."""
+        self.annotated: Final = annotated
+        """Receives the log with the first filter's attitudes inserted."""
+        self.progress: Final = progress
+        """Is told the share of the work done, 0 to 1, once a stretch of the log."""
+        self.observer: Final = observer
+        """Sees the flight as it is replayed."""

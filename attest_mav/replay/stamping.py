@@ -23,7 +23,7 @@ MEMORY: Final = 0.95
 """The usual distance is an exponential average with this weight of the past per message; stream rates can change."""
 
 
-@mypyc_attr(acyclic=True)  # as Sample
+@mypyc_attr(acyclic=True, free_list_len=1)  # as Sample
 class Stamped(Record):
     """An untimed sample with the time found for it, on the sensor's clock."""
 

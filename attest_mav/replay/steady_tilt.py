@@ -2,10 +2,9 @@
 
 from array import array
 from math import asin, degrees, hypot
-from statistics import median
 from typing import Final
 
-from attest_mav.algebra import down_in_body
+from attest_mav.algebra import down_in_body, median
 from attest_mav.types import Quat
 
 SMALLEST_DEG: Final = 0.7
@@ -34,5 +33,7 @@ class SteadyTilt:
         forward, right = median(self._forward), median(self._right)
         size = hypot(forward, right)
         offset_deg = degrees(asin(min(size, 1.0)))
+        if offset_deg < SMALLEST_DEG:
+            return None
         apart = [hypot(x - forward, y - right) for x, y in zip(self._forward, self._right, strict=True)]
-        return offset_deg if offset_deg >= SMALLEST_DEG and median(apart) <= LARGEST_SPREAD * size else None
+        return offset_deg if median(apart) <= LARGEST_SPREAD * size else None

@@ -35,7 +35,8 @@ def verdict_of(flight: Flight) -> dict[str, Any]:
         },
         **{
             f"{agreement.name.lower()}_s": round(
-                sum([one.end_s - one.begin_s for one in intervals if one.interval.agreement == agreement]), DIGITS
+                sum([one.end_s - one.begin_s for one in intervals if one.interval.agreement == agreement], 0.0),
+                DIGITS,
             )
             for agreement in (Agreement.AGREE, Agreement.DISAGREE, Agreement.UNDECIDED)
         },

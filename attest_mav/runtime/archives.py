@@ -4,24 +4,24 @@ Of a damaged archive all is taken that can be unpacked, with a note that tells t
 """
 
 import os
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import IO
+from typing import IO, TYPE_CHECKING, Final
 
 from attest_mav.errors import UnreadableDataError
-from attest_mav.runtime.gzip_archive import GZIP, GzipArchive
-from attest_mav.runtime.unpacking import Unpacker
-from attest_mav.runtime.zip_archive import ZIP, ZipArchive
+from attest_mav.runtime.unpacking import GZIP, ZIP, Unpacker
+
+if TYPE_CHECKING:
+    from attest_mav.runtime.gzip_archive import GzipArchive
+    from attest_mav.runtime.zip_archive import ZipArchive
 
 
-@dataclass(frozen=True)
 class Unpacked:
     """The log, and remarks on the archive that it comes from."""
 
-    log: IO[bytes]
-    notes: tuple[str, ...] = ()
+    def __init__(self, log: IO[bytes], notes: tuple[str, ...] = ()) -> None:
+        self.log: Final = log
+        self.notes: Final = notes
 
 
 @contextmanager
@@ -32,11 +32,13 @@ def unpacked(file: IO[bytes], path: object) -> Iterator[Unpacked]:
     if not magic.startswith((GZIP, ZIP)):
         yield Unpacked(file)
         return
-    with tempfile.TemporaryFile() as log:
+    from tempfile import TemporaryFile  # noqa: PLC0415 - for an archive only
+
+    with TemporaryFile() as log:
         kind = "gzip" if magic.startswith(GZIP) else "zip"
         try:
             unpacker = Unpacker(file, log, path, os.fstat(file.fileno()).st_size)
-            archive = GzipArchive(unpacker) if kind == "gzip" else ZipArchive(file, unpacker, path)
+            archive = _archive(kind, file, unpacker, path)
             archive.unpack()
             log.flush()
         except OSError as error:
@@ -49,3 +51,14 @@ def unpacked(file: IO[bytes], path: object) -> Iterator[Unpacked]:
             )
         damage = f"the {kind} archive is damaged: {'; '.join(faults)}"
         yield Unpacked(log, (damage,) if faults else ())
+
+
+def _archive(kind: str, file: IO[bytes], unpacker: Unpacker, path: object) -> "GzipArchive | ZipArchive":
+    """The archive, with the module that unpacks its kind."""
+    if kind == "gzip":
+        from attest_mav.runtime.gzip_archive import GzipArchive  # noqa: PLC0415 - for an archive only
+
+        return GzipArchive(unpacker)
+    from attest_mav.runtime.zip_archive import ZipArchive  # noqa: PLC0415 - for an archive only
+
+    return ZipArchive(file, unpacker, path)

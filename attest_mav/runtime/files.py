@@ -4,7 +4,6 @@ import errno
 import os
 import stat
 import sys
-import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from io import BufferedWriter, FileIO
@@ -135,7 +134,9 @@ def atomic_write(path: str | Path) -> Iterator[IO[bytes]]:
 
 def _temporary_beside(target: Path) -> tuple[int, str]:
     """Descriptor and name of a new file in the same folder, with the permissions of any new file."""
-    descriptor, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name[:100]}.")
+    from tempfile import mkstemp  # noqa: PLC0415 - costs 3 ms, which a replay without such a file does not need
+
+    descriptor, name = mkstemp(dir=target.parent, prefix=f".{target.name[:100]}.")
     os.fchmod(descriptor, _mode_of_new_files())
     return descriptor, name
 

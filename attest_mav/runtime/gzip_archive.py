@@ -4,7 +4,6 @@ from typing import Final
 
 from attest_mav.runtime.unpacking import PIECE_BYTES, UNSURE, Unpacker
 
-GZIP: Final = b"\x1f\x8b"
 MEMBER: Final = b"\x1f\x8b\x08"
 """Begin of a member: magic, and deflate, the one method there is."""
 HEADER_BYTES: Final = 10

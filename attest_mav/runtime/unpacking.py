@@ -9,6 +9,9 @@ from typing import IO, Final
 
 from attest_mav.errors import UnreadableDataError
 
+GZIP: Final = b"\x1f\x8b"
+ZIP: Final = b"PK\x03\x04"
+"""The first bytes of an archive of each kind."""
 MOST_BYTES: Final = 1 << 31
 """A log that is larger is not unpacked: a small archive can hold as much as it likes."""
 MOST_RATIO: Final = 200

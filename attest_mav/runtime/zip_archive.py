@@ -7,10 +7,8 @@ from struct import Struct
 from typing import IO, Final
 
 from attest_mav.errors import UnreadableDataError
-from attest_mav.runtime.unpacking import UNSURE, Unpacker
+from attest_mav.runtime.unpacking import UNSURE, ZIP, Unpacker
 
-ZIP: Final = b"PK\x03\x04"
-"""Begin of a file's own header."""
 DIRECTORY_END: Final = b"PK\x05\x06"
 DIRECTORY_END_BYTES: Final = 22
 LARGE_DIRECTORY: Final = b"PK\x06\x07"

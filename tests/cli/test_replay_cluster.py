@@ -15,8 +15,8 @@ from click.testing import CliRunner
 from pyarrow.parquet import read_table
 
 from attest_mav.cli.replay import command
+from attest_mav.cli.replay_spread import Task, _given_up, described
 from attest_mav.cli.replay_tables import tables
-from attest_mav.cli.replay_work import Task, _given_up, described
 from attest_mav.errors import UnreadableDataError, UnwritableError, UsageError, WorkersError
 from attest_mav.runtime import cluster as module
 from attest_mav.runtime.cluster import cluster

@@ -9,6 +9,10 @@ from attest_mav.cli.collector import SELDOM, seldom_collected
 
 LAPS = Path(__file__).parent.parent / "data" / "copter_square_laps.tlog"
 HEAVY = (
+    "rich",
+    "tempfile",
+    "zipfile",
+    "xml.etree.ElementTree",
     "numpy",
     "pyarrow",
     "msgspec",
@@ -22,7 +26,7 @@ import sys
 from attest_mav.cli.main import run
 
 assert run(["replay", {str(LAPS)!r}, *sys.argv[1:]]) == 0
-print(*[name for name in ("rich", *{HEAVY}) if name in sys.modules], file=sys.stderr)
+print(*[name for name in {HEAVY} if name in sys.modules], file=sys.stderr)
 """
 
 
@@ -32,7 +36,7 @@ def loaded(*options):
 
 
 def test_a_replay_loads_no_library_that_it_does_not_use():
-    assert loaded() == ["rich"]
+    assert loaded() == []
     assert loaded("--json") == []
 
 

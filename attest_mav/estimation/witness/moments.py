@@ -31,7 +31,7 @@ class Instant(Record):
         self.inputs: Final = inputs
 
 
-@mypyc_attr(acyclic=True)
+@mypyc_attr(acyclic=True, free_list_len=1)
 class Moment(Instant):
     """The newest sample of a lane."""
 
@@ -45,7 +45,7 @@ class Moment(Instant):
         """The state after it."""
 
 
-@mypyc_attr(acyclic=True)
+@mypyc_attr(acyclic=True, free_list_len=1)
 class PastInstant(Instant):
     """A sample that is remembered."""
 

@@ -24,7 +24,7 @@ HEADING_LIMIT: Final = radians(2.0)
 SIGMAS: Final = 1.5
 
 
-@mypyc_attr(acyclic=True)  # as Sample
+@mypyc_attr(acyclic=True, free_list_len=1)  # as Sample
 class Difference:
     """Readings of one sensor minus another's, mean over a time; scatter: of the accelerometers, an axis."""
 
@@ -36,7 +36,7 @@ class Difference:
         self.count: Final = count
 
 
-@mypyc_attr(acyclic=True)  # as Sample
+@mypyc_attr(acyclic=True, free_list_len=1)  # as Sample
 class _Point:
     def __init__(self, t_ns: int, gyro: Vec3, accel: Vec3) -> None:
         self.t_ns: Final = t_ns
@@ -101,7 +101,7 @@ class RunningDifference:
         self._accel_squares = add(self._accel_squares, scale(_squares(accel), sign))
 
 
-@mypyc_attr(acyclic=True)  # as Sample
+@mypyc_attr(acyclic=True, free_list_len=1)  # as Sample
 class Contrast:
     """Two lanes beside each other: their readings without biases, and their attitudes.
 

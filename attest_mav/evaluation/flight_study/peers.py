@@ -39,7 +39,8 @@ def peer_flown(task: tuple[bytes, str]) -> Errors:
     """Errors of the peer of that name over a log, after 30 s as those of all others."""
     log, name = task
     recording = recorded(log)
-    carrying = replace(recording, plan=replace(recording.plan, autopilot=CARRIER))
+    plan = replace(recording.plan, autopilot=CARRIER)
+    carrying = Recording(plan, recording.earth_field, recording.settings, recording.samples)
     samples = with_peer(recording, _steps(name, rate_hz(recording)))
     # The filter beside it only says from when on errors count.
     return fly(carrying, samples, Chosen("gradient-descent").build(), Window()).autopilot

@@ -37,7 +37,7 @@ from attest_mav.record import Record
 from attest_mav.types import Mat3, Vec3
 
 
-@mypyc_attr(acyclic=True)
+@mypyc_attr(acyclic=True, free_list_len=1)
 class Covariance(Record):
     """The upper blocks, three rows each, in the order of the rows of P."""
 
@@ -137,7 +137,7 @@ class Covariance(Record):
         )
 
 
-@mypyc_attr(acyclic=True)
+@mypyc_attr(acyclic=True, free_list_len=1)
 class ProcessNoise(Record):
     """Variances that one step adds, per axis but for the velocity. Scale error, delays and declination are constant."""
 

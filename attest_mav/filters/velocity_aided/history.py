@@ -21,7 +21,7 @@ FUTURE_NS: Final = 50_000_000
 """How far in the future a fix may lie and count as of now, ns: the low-passed sensors are late themselves."""
 
 
-@mypyc_attr(acyclic=True)
+@mypyc_attr(acyclic=True, free_list_len=1)
 class HistoryPoint(Record):
     """The integral of the specific force up to one instant."""
 
@@ -32,7 +32,7 @@ class HistoryPoint(Record):
         """Integral of the specific force from the history's origin, m/s, in axes that do not turn."""
 
 
-@mypyc_attr(acyclic=True)
+@mypyc_attr(acyclic=True, free_list_len=1)
 class DeltaVelocityHistory(Record):
     """The last 0.6 s of integrated specific force."""
 

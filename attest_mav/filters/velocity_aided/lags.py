@@ -28,7 +28,7 @@ USUAL_INTERVAL_S: Final = 0.02
 """The interval of inertial messages for which ``mag_delay_s`` holds, s."""
 
 
-@mypyc_attr(acyclic=True)
+@mypyc_attr(acyclic=True, free_list_len=1)
 class LowPassDelay(Record):
     """The group delay of the autopilot's low-pass, s, and its sigma."""
 

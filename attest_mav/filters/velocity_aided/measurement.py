@@ -16,7 +16,7 @@ from attest_mav.record import Record
 from attest_mav.types import Vec3
 
 
-@mypyc_attr(acyclic=True)
+@mypyc_attr(acyclic=True, free_list_len=1)
 class Measurement(Record):
     """One scalar measurement, linear in the error: residual = t.dt + v.dv + b.db + m.dm + d.dd + noise.
 
@@ -48,7 +48,7 @@ class Measurement(Record):
         """Jacobian by the lags of magnetometer and fixes (a s) and the declination error (a rad)."""
 
 
-@mypyc_attr(acyclic=True)
+@mypyc_attr(acyclic=True, free_list_len=1)
 class CrossCovariance(Record):
     """P h of one measurement: the covariance of each error vector with the predicted measurement."""
 

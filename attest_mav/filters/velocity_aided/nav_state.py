@@ -37,7 +37,7 @@ LONGEST_LEAD_S: Final = 0.15
 """Largest lead, s: behind a low-pass of 2 Hz the inertial readings are 0.11 s late, and may be the latest of all."""
 
 
-@mypyc_attr(acyclic=True)
+@mypyc_attr(acyclic=True, free_list_len=1)
 class NavigationState(Record):
     """The estimate at the time of an inertial sample."""
 

@@ -36,7 +36,7 @@ class AidingMode(IntEnum):
     """The mean velocity is zero: carried or turned by hand."""
 
 
-@mypyc_attr(acyclic=True)
+@mypyc_attr(acyclic=True, free_list_len=1)
 class Navigation(Record):
     """The estimate with the memory of prediction and of each aid."""
 

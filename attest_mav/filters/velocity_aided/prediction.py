@@ -47,7 +47,7 @@ HELD_SAMPLES: Final = 8.0
 """The largest second difference decays over at least so many steps: a slow stream shows a manoeuvre in few of them."""
 
 
-@mypyc_attr(acyclic=True)
+@mypyc_attr(acyclic=True, free_list_len=1)
 class ImuMemory(Record):
     """The memory of dead reckoning between two samples."""
 
@@ -196,7 +196,7 @@ def _remember(
     )
 
 
-@mypyc_attr(acyclic=True)
+@mypyc_attr(acyclic=True, free_list_len=1)
 class ThreePoint(Record):
     """Differences of the last three readings."""
 

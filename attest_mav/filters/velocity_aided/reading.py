@@ -14,7 +14,7 @@ from attest_mav.samples import ImuSample
 from attest_mav.types import Vec3
 
 
-@mypyc_attr(acyclic=True)
+@mypyc_attr(acyclic=True, free_list_len=1)
 class Reading(Record):
     """Gyro and accelerometer of one sample."""
 

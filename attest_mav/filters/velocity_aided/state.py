@@ -14,7 +14,7 @@ NORTH_LOST: Final = 0.5
 """rad: with a heading less certain than this there is no north."""
 
 
-@mypyc_attr(acyclic=True)
+@mypyc_attr(acyclic=True, free_list_len=1)
 class VelocityAidedState(FilterState):
     """State after a step.
 

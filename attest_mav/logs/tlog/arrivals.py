@@ -1,12 +1,12 @@
 """Judges the times of arrival in a log against the vehicle's own clock: steps, another pace, or no times at all."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
-from statistics import median
 from typing import Final
 
+from attest_mav.algebra import median
 from attest_mav.logs.tlog.stamp_columns import StampColumn
+from attest_mav.record import Record
 
 STEP_S: Final = 5.0
 """A recorder's clock that moves by so much more or less than the vehicle's has been set. Radios hold frames back for
@@ -21,14 +21,14 @@ SHOWN: Final = 3
 """So many steps are named."""
 
 
-@dataclass(frozen=True)
-class Arrivals:
+class Arrivals(Record):
     """The judgement on the times of arrival."""
 
-    fit: bool
-    """True if they run with the vehicle's clock."""
-    notes: tuple[str, ...] = ()
-    """Remarks for people."""
+    def __init__(self, fit: bool, notes: tuple[str, ...] = ()) -> None:
+        self.fit: Final = fit
+        """True if they run with the vehicle's clock."""
+        self.notes: Final = notes
+        """Remarks for people."""
 
 
 class _Interval:

@@ -24,13 +24,20 @@ MOST_KINDS: Final = 8192
 NAME_BYTES: Final = 16
 
 
+class KindCount:
+    """Number of frames of one kind."""
+
+    def __init__(self) -> None:
+        self.frames: i64 = 0
+
+
 class MessageCounter(TlogWalker):
     """Counts all frames of a tlog and returns a sample of the wanted ones."""
 
     def __init__(self, dialect: Dialect, wanted: frozenset[int] | None, bare: bool = False) -> None:
         super().__init__(dialect, wanted, bare)
-        self.counts: Final[dict[int, int]] = {}
-        """Frames by ``counter_key``."""
+        self._kinds: Final[dict[int, KindCount]] = {}
+        """By ``counter_key``."""
         parameter = dialect.layout("PARAM_VALUE")
         self._parameter_id: i64 = parameter.message_id
         self._text_id: i64 = dialect.id_of("STATUSTEXT")
@@ -46,9 +53,15 @@ class MessageCounter(TlogWalker):
         self._is_inertial: Final = dialect.flags(inertial)
         self._is_tying: Final = dialect.flags(tying)
 
+    @property
+    def counts(self) -> dict[int, int]:
+        """Frames by ``counter_key``."""
+        return {key: kind.frames for key, kind in self._kinds.items()}
+
     def count_of(self, sender: VehicleId, message_id: int) -> int:
         """Number of frames of one kind from one sender."""
-        return self.counts.get(counter_key(sender[0], sender[1], message_id), 0)
+        kind = self._kinds.get(counter_key(sender[0], sender[1], message_id))
+        return 0 if kind is None else kind.frames
 
     def _take(self, size: i64) -> None:
         """Count the frame at the present place, and return it if it is its turn."""
@@ -57,11 +70,14 @@ class MessageCounter(TlogWalker):
         sender = at + (5 if data[at] == MAGIC_V2 else 3)
         message_id = message_id_at(data, at)
         key = counter_key(data[sender], data[sender + 1], message_id)
-        count = self.counts.get(key, 0)
-        if count == 0 and len(self.counts) >= MOST_KINDS:
-            self._pass_over(size, sender)
-            return
-        self.counts[key] = count + 1
+        kind = self._kinds.get(key)
+        if kind is None:
+            if len(self._kinds) >= MOST_KINDS:
+                self._pass_over(size, sender)
+                return
+            kind = self._kinds[key] = KindCount()
+        count = kind.frames
+        kind.frames = count + 1
         if self.frames == 0:
             self.first_rx_ns = self._arrival(size)
         if message_id == self._parameter_id:

@@ -6,14 +6,14 @@ else is compared by is that of the attitudes; ``StampColumn.ties`` relate the tw
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
-from statistics import median
 from typing import Final
 
+from attest_mav.algebra import median
 from attest_mav.logs.tlog.stamp_columns import StampColumn, Tie
 from attest_mav.logs.tlog.stamp_repair import PLAIN, WRAP, StampRule, is_wrap
 from attest_mav.mavlink.decode.boot_clock import FOLD_US, UNIX_US, BootClock
+from attest_mav.record import Record
 
 FEWEST: Final = 5
 """A column with fewer times is not judged."""
@@ -33,35 +33,42 @@ FACTOR_TOLERANCE: Final = 5.0
 """Two clocks of one unit do not differ by more: a recorder may have squeezed the times of arrival."""
 
 
-@dataclass(frozen=True)
-class SensorClock:
+class SensorClock(Record):
     """The judgement on one column."""
 
-    rule: StampRule = PLAIN
-    note: str = ""
-    """A remark for people, "" if all is well."""
-    obstacle: str = ""
-    """The reason why no filter can use the times; "" if they can be used."""
-    is_unix: bool = False
-    """True for UNIX time in microseconds that the rule makes time since boot."""
-    duration_s: float | None = None
-    """Time that passed on this clock, s; None where it cannot be told."""
+    def __init__(
+        self,
+        rule: StampRule = PLAIN,
+        note: str = "",
+        obstacle: str = "",
+        is_unix: bool = False,
+        duration_s: float | None = None,
+    ) -> None:
+        self.rule: Final = rule
+        self.note: Final = note
+        """A remark for people, "" if all is well."""
+        self.obstacle: Final = obstacle
+        """The reason why no filter can use the times; "" if they can be used."""
+        self.is_unix: Final = is_unix
+        """True for UNIX time in microseconds that the rule makes time since boot."""
+        self.duration_s: Final = duration_s
+        """Time that passed on this clock, s; None where it cannot be told."""
 
 
-@dataclass(frozen=True)
-class _Steps:
+class _Steps(Record):
     """The steps from one time to the next, in the number's own unit."""
 
-    moves: int
-    """Number of steps other than zero."""
-    forward: int
-    """Sum of the steps forward, those over a wrap included."""
-    jumps: int
-    """Number of steps forward of more than ``JUMP_US``."""
-    backs: Sequence[int]
-    """Sizes of the steps back that are no wraps."""
-    wraps: Sequence[int]
-    """Places in the column behind a wrap."""
+    def __init__(self, moves: int, forward: int, jumps: int, backs: Sequence[int], wraps: Sequence[int]) -> None:
+        self.moves: Final = moves
+        """Number of steps other than zero."""
+        self.forward: Final = forward
+        """Sum of the steps forward, those over a wrap included."""
+        self.jumps: Final = jumps
+        """Number of steps forward of more than ``JUMP_US``."""
+        self.backs: Final = backs
+        """Sizes of the steps back that are no wraps."""
+        self.wraps: Final = wraps
+        """Places in the column behind a wrap."""
 
 
 def judge_clock(column: StampColumn, boot_clock: BootClock, arrivals_fit: bool) -> SensorClock:

@@ -72,9 +72,10 @@ class MavlinkSource:
         self._repairs = self._repairs_for(plan)
         is_intact = self._survey is not None and self._survey.counter.is_intact
         reader = TlogReader(self._data, self._dialect, wanted, self._bare, is_intact)
+        length = len(self._data)
         for frames in reader.batches():
             for start in range(0, len(frames), BATCH_FRAMES):
-                yield self._decoded(frames[start : start + BATCH_FRAMES], plan)
+                yield self._decoded(frames[start : start + BATCH_FRAMES], plan, length)
 
     def notes(self, plan: Plan) -> list[str]:
         """Remarks of the decoder on the inertial message, and on the clocks."""
@@ -130,8 +131,8 @@ class MavlinkSource:
             repairs[dialect.id_of(FIX)] = FixRepair(clock.rule.shift, time_field(dialect, FIX))
         return repairs
 
-    def _decoded(self, frames: list[Frame], plan: Plan) -> SampleBatch:
-        """The samples of the plan's vehicle."""
+    def _decoded(self, frames: list[Frame], plan: Plan, length: int) -> SampleBatch:
+        """The samples of the plan's vehicle. length: of the log, bytes."""
         system, component = plan.vehicle
         decoder = self._decoder
         repairs = self._repairs
@@ -144,7 +145,7 @@ class MavlinkSource:
                 for sample in decoder.decode(frame if repair is None else repair.repaired(frame)):
                     samples.append(sample)
                     positions.append(end)
-        return SampleBatch(samples, positions, frames[-1].offset / len(self._data))
+        return SampleBatch(samples, positions, frames[-1].offset / length)
 
 
 class TlogSource(MavlinkSource):

@@ -3,12 +3,12 @@
 The rule is the judgement of the first pass (``sensor_clock``); the repair applies it frame by frame.
 """
 
-from dataclasses import dataclass
 from typing import Final
 
 from attest_mav.logs.tlog.stamps import TimeField
 from attest_mav.mavlink.decode.boot_clock import UNIX_US
 from attest_mav.mavlink.wire.frame import Frame
+from attest_mav.record import Record
 
 WRAP: Final = 1 << 32
 """A counter of 32 bits begins again after so many units."""
@@ -16,18 +16,18 @@ WRAP_WINDOW: Final = 1 << 26
 """A step back is a wrap if the counter, continued past it, would have moved on by at most this; 67 s at 1 us."""
 
 
-@dataclass(frozen=True)
-class StampRule:
+class StampRule(Record):
     """The relation of a message's time to the time since boot, both in the message's own unit."""
 
-    wraps: bool = False
-    """True for a counter that begins again after ``WRAP`` units."""
-    factor: float = 1.0
-    """Message's units in one unit of the number that is sent."""
-    shift: int = 0
-    """Is added after the factor."""
-    by_arrival: bool = False
-    """True to take the time of arrival in place of the time sent."""
+    def __init__(self, wraps: bool = False, factor: float = 1.0, shift: int = 0, by_arrival: bool = False) -> None:
+        self.wraps: Final = wraps
+        """True for a counter that begins again after ``WRAP`` units."""
+        self.factor: Final = factor
+        """Message's units in one unit of the number that is sent."""
+        self.shift: Final = shift
+        """Is added after the factor."""
+        self.by_arrival: Final = by_arrival
+        """True to take the time of arrival in place of the time sent."""
 
     @property
     def is_plain(self) -> bool:

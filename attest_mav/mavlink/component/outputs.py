@@ -5,7 +5,6 @@ each link, and the answers to MAV_CMD_REQUEST_MESSAGE and MAV_CMD_SET_MESSAGE_IN
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from enum import IntEnum
 from math import isfinite, isnan, nan
 from typing import Final
@@ -78,26 +77,36 @@ class Publication:
         """How often the attitude has begun anew, or has come of another sensor."""
 
 
-@dataclass(frozen=True)
 class Output:
     """One message that can be sent on a link."""
 
-    name: str
-    """Name under ``publish`` in the configuration."""
-    message: str
-    """Name of the message in the dialect."""
-    frames: Callable[[Encoder, Publication], list[bytes]]
-    """Makes the frames; called with sound estimates only, unless they are sent with the heartbeat."""
-    hz: float = 0.0
-    """Rate in the clock of the estimates until a peer sets another, Hz; 0 is the configured rate of the attitude."""
-    with_heartbeat: bool = False
-    """The frames go out beside each heartbeat instead, and can be neither requested nor retimed."""
-    least: Confidence = Confidence.BELIEVED
-    """The output is sent at this confidence or a higher one."""
-    misleads: str = ""
-    """Programs that take the message for the autopilot's own, "" for none: such an output can be held back."""
-    only_configured: bool = False
-    """Where ``publish`` does not name it, no command can request it."""
+    def __init__(
+        self,
+        name: str,
+        message: str,
+        frames: Callable[[Encoder, Publication], list[bytes]],
+        hz: float = 0.0,
+        with_heartbeat: bool = False,
+        least: Confidence = Confidence.BELIEVED,
+        misleads: str = "",
+        only_configured: bool = False,
+    ) -> None:
+        self.name: Final = name
+        """Name under ``publish`` in the configuration."""
+        self.message: Final = message
+        """Name of the message in the dialect."""
+        self.frames: Final = frames
+        """Makes the frames; called with sound estimates only, unless they are sent with the heartbeat."""
+        self.hz: Final = hz
+        """Rate in the clock of the estimates until a peer sets another, Hz; 0: the configured rate of the attitude."""
+        self.with_heartbeat: Final = with_heartbeat
+        """The frames go out beside each heartbeat instead, and can be neither requested nor retimed."""
+        self.least: Final = least
+        """The output is sent at this confidence or a higher one."""
+        self.misleads: Final = misleads
+        """Programs that take the message for the autopilot's own, "" for none: such an output can be held back."""
+        self.only_configured: Final = only_configured
+        """Where ``publish`` does not name it, no command can request it."""
 
 
 def attitude_quaternion(encoder: Encoder, publication: Publication) -> list[bytes]:

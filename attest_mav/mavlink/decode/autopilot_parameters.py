@@ -7,7 +7,6 @@ estimators. The inertial messages carry the input of the estimators: means over 
 that would need a correction.
 """
 
-from dataclasses import dataclass
 from math import nan, pi
 from typing import Final
 
@@ -18,6 +17,7 @@ from attest_mav.mavlink.decode.reader import Reader
 from attest_mav.mavlink.decode.vehicle_kinds import vehicle_kind
 from attest_mav.mavlink.dialect import Dialect
 from attest_mav.mavlink.wire.frame import Frame
+from attest_mav.record import Record
 from attest_mav.samples import Sample
 from attest_mav.types import VehicleKind
 from attest_mav.vehicle_reports import ParameterSample
@@ -28,8 +28,7 @@ WORD: Final = float(1 << 31)
 """Above the largest bit field."""
 
 
-@dataclass(frozen=True)
-class Parameter:
+class Parameter(Record):
     """One parameter. ``autopilot``: MAV_AUTOPILOT.
 
     unit: one unit of the parameter in units of the setting. low, high: plausible range besides 0, in the parameter's
@@ -37,14 +36,25 @@ class Parameter:
     asked for it.
     """
 
-    name: str
-    autopilot: int
-    setting: Setting
-    unit: float
-    low: float
-    high: float
-    zero_is_default: bool = False
-    planes_only: bool = False
+    def __init__(
+        self,
+        name: str,
+        autopilot: int,
+        setting: Setting,
+        unit: float,
+        low: float,
+        high: float,
+        zero_is_default: bool = False,
+        planes_only: bool = False,
+    ) -> None:
+        self.name: Final = name
+        self.autopilot: Final = autopilot
+        self.setting: Final = setting
+        self.unit: Final = unit
+        self.low: Final = low
+        self.high: Final = high
+        self.zero_is_default: Final = zero_is_default
+        self.planes_only: Final = planes_only
 
     def value(self, number: float) -> float | None:
         """The setting for a number of the parameter: NaN for the autopilot's default, None for an implausible one."""

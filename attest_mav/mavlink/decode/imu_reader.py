@@ -1,6 +1,6 @@
 """Reads the inertial messages: fields, time, and which sensor of which sender they belong to."""
 
-from typing import Final
+from typing import Any, Final
 
 from attest_mav.mavlink.constants import (
     HIGHRES_IMU_UPDATED_ACCEL,
@@ -65,9 +65,9 @@ class ImuReader(Reader):
             sensor = self._open_sensor(frame, number)
             if sensor is None:
                 return []
-        accel: Vec3 = (values[1], values[2], values[3])
-        gyro: Vec3 = (values[4], values[5], values[6])
-        field: Vec3 = (values[7], values[8], values[9])
+        accel: Vec3 = (_real(values[1]), _real(values[2]), _real(values[3]))
+        gyro: Vec3 = (_real(values[4]), _real(values[5]), _real(values[6]))
+        field: Vec3 = (_real(values[7]), _real(values[8]), _real(values[9]))
         return sensor.accept(t_ns, frame.rx_ns, accel, gyro, field, field_sent)
 
     def _open_sensor(self, frame: Frame, number: int) -> SensorReader | None:
@@ -89,3 +89,12 @@ class ImuReader(Reader):
         sensor = SensorReader(source, frame.system, frame.component, row)
         self.sensors[(frame.system << 16) | (frame.component << 8) | number] = sensor
         return sensor
+
+
+def _real(value: Any) -> float:
+    """A value as a float: compiled, an integer becomes one without an object in between."""
+    if isinstance(value, int):
+        whole: int = value
+        return float(whole)
+    real: float = value
+    return real

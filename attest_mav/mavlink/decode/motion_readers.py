@@ -57,9 +57,10 @@ class GpsReader(Reader):
         vel: int = values[5]
         cog: int = values[6]
         satellites: int = values[8]
+        vel_acc: int = values[9]
         samples: list[Sample] = []
         if vel != UINT16_MAX and (cog != UINT16_MAX or vel == 0):
-            sigma = receiver_sigma(values[9] * MILLI, eph, satellites)
+            sigma = receiver_sigma(vel_acc * MILLI, eph, satellites)
             samples.append(self._velocity(frame, t_ns, vel, cog, sigma))
         samples.append(self._position(frame, t_ns, values, eph, satellites))
         return samples

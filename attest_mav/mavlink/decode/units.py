@@ -9,6 +9,7 @@ from math import nan
 from typing import Final
 
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_ARDUPILOTMEGA, MAV_AUTOPILOT_PX4
+from attest_mav.record import Record
 from attest_mav.types import G_MPS2
 
 MILLI_G: Final = 1e-3 * G_MPS2
@@ -26,8 +27,7 @@ SATURATED_RAW: Final = 32440
 """99 % of what an int16 holds."""
 
 
-@dataclass(frozen=True)
-class UnitRow:
+class UnitRow(Record):
     """One row. accel: m/s^2 of one unit, gyro: rad/s, mag: gauss.
 
     integer: the fields are int16, which have a range to saturate. integer_field: those of the magnetometer alone are.
@@ -38,16 +38,29 @@ class UnitRow:
     which filters expect.
     """
 
-    accel: float
-    gyro: float
-    mag: float
-    integer: bool
-    integer_field: bool = False
-    field_powers: tuple[float, ...] = (1.0,)
-    independent: bool = True
-    has_field: bool = True
-    note: str = ""
-    field_delay_s: float = nan
+    def __init__(
+        self,
+        accel: float,
+        gyro: float,
+        mag: float,
+        integer: bool,
+        integer_field: bool = False,
+        field_powers: tuple[float, ...] = (1.0,),
+        independent: bool = True,
+        has_field: bool = True,
+        note: str = "",
+        field_delay_s: float = nan,
+    ) -> None:
+        self.accel: Final = accel
+        self.gyro: Final = gyro
+        self.mag: Final = mag
+        self.integer: Final = integer
+        self.integer_field: Final = integer_field
+        self.field_powers: Final = field_powers
+        self.independent: Final = independent
+        self.has_field: Final = has_field
+        self.note: Final = note
+        self.field_delay_s: Final = field_delay_s
 
 
 @dataclass(frozen=True)

@@ -46,7 +46,7 @@ NIS_SHARE: Final = 0.1
 """Weight of a new fix in the mean normalised innovation squared: at 5 Hz a memory of 2 s."""
 
 
-@mypyc_attr(acyclic=True)
+@mypyc_attr(acyclic=True, free_list_len=1)
 class GnssVelocity(Record):
     """The state of velocity fusion."""
 

@@ -54,7 +54,7 @@ class UsualField(Record):
         """Sine of the angle below the horizontal."""
 
 
-@mypyc_attr(acyclic=True)
+@mypyc_attr(acyclic=True, free_list_len=1)
 class Magnetometer(Record):
     """The state of magnetometer fusion."""
 

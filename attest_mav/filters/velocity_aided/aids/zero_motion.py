@@ -38,7 +38,7 @@ VELOCITY_SIGMA: Final = 0.05
 """m/s: of the zero velocity."""
 
 
-@mypyc_attr(acyclic=True)
+@mypyc_attr(acyclic=True, free_list_len=1)
 class Stationary(Record):
     """The state of the stationary detector, and of the zero updates."""
 
