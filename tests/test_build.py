@@ -41,7 +41,7 @@ def test_every_group_of_modules_still_exists(core_sources, names):
     [
         ("algebra", "filters"),
         ("filters___velocity_aided___covariance", "filters"),
-        ("filters___velocity_aided___covariance_blocks", "setting up"),
+        ("filters___registry", "setting up"),
         ("filters___velocity_aided___alignment___solve", "setting up"),
         ("estimation___alignment", "estimation"),
         ("estimate", "records"),

@@ -49,8 +49,6 @@ UNITS = {
     "replay": ("replay___",),
     "setting up": (
         "filters___velocity_aided___alignment___",
-        "filters___velocity_aided___covariance_blocks.",
-        "filters___velocity_aided___parameters.",
         "filters___gradient_descent___options.",
         "filters___registry.",
         "filters___own.",
