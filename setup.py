@@ -5,6 +5,7 @@ fails halfway, nothing is compiled: the very same files run interpreted, and the
 (py3-none-any).
 """
 
+import json
 import os
 import shlex
 import subprocess
@@ -13,45 +14,10 @@ import sysconfig
 import tempfile
 from pathlib import Path
 
-from setuptools import setup
+from setuptools import Extension, setup
 from setuptools.command.bdist_wheel import bdist_wheel
 from setuptools.command.build_ext import build_ext
 from setuptools.errors import BaseError, CCompilerError
-
-CORE = [
-    "record.py",
-    "types.py",
-    "samples.py",
-    "vehicle_settings.py",
-    "vehicle_reports.py",
-    "estimate.py",
-    "innovation.py",
-    "algebra.py",
-    "matrices.py",
-    "matrices4.py",
-    "low_pass.py",
-    "plausible.py",
-    "filters",
-    "estimation",
-    "mavlink",
-    "logs/dataflash",
-    "logs/tlog",
-    "logs/ulog",
-    "replay",
-]
-
-UNITS = {
-    "estimation": "attest_mav___estimation___",
-    "mavlink": "attest_mav___mavlink___",
-    "logs": "attest_mav___logs___",
-    "replay": "attest_mav___replay___",
-    "alignment": "attest_mav___filters___velocity_aided___alignment___",
-    "vehicle": "attest_mav___vehicle_",
-    "group": "__native_",
-}
-"""C files, with what the names of their modules contain; the first that fits counts. All else is in one with the
-filters: their small functions of vectors and matrices are inlined there, which makes a step faster by a fifth. The
-last one is what mypyc writes for all modules together."""
 
 LITTLE_MEMORY = ["--param", "ggc-min-expand=5", "--param", "ggc-min-heapsize=16384"]
 """gcc collects its garbage more often: the same code from half the memory."""
@@ -67,36 +33,31 @@ def core_extensions():
     if not compiler_takes([]):
         print("no C compiler with the headers of Python: the core runs interpreted", file=sys.stderr)
         return []
-    from mypyc.build import mypycify
+    described = sources_of_core()
+    # Without the first, position-independent code calls every small function through a table instead of inlining it:
+    # steps of the filters then take twice as long. The second keeps compiled equal to interpreted.
+    flags = ["-fno-semantic-interposition", "-ffp-contract=off"]
+    for more in (LITTLE_MEMORY, WITHOUT_STUBS):
+        if compiler_takes(more):
+            flags += more
+    # The files of the core call each other directly, too, instead of through a table.
+    link_flags = ["-Wl,-Bsymbolic-functions"] if sys.platform.startswith("linux") else []
+    for one in described:
+        one["extra_compile_args"] += flags
+    return [Extension(**one, extra_link_args=link_flags) for one in described]
 
-    package = Path("attest_mav")
-    sources = []
-    for entry in CORE:
-        path = package / entry
-        sources += sorted(path.rglob("*.py")) if path.is_dir() else [path]
-    # __init__ files hold no code; left interpreted, they keep the packages ordinary folders.
-    modules = [str(source) for source in sources if source.name != "__init__.py"]
-    # Modules outside the core may import what a build does not install, such as numpy: mypy reads them, and is silent.
-    arguments = ["--config-file", "pyproject.toml", "--follow-imports=silent", *modules]
-    extensions = mypycify(arguments, opt_level="3", debug_level="0", multi_file=True)
-    sys.path.insert(0, "tools")
-    from compiled_docstrings import add_docstrings
 
-    for extension in extensions:
-        for source in extension.sources:
-            add_docstrings(Path(source))
-        extension.sources = in_units(extension.sources)
-        # Without the first, position-independent code calls every small function through a table instead of
-        # inlining it: steps of the filters then take twice as long. The second keeps compiled equal to interpreted.
-        flags = ["-fno-semantic-interposition", "-ffp-contract=off"]
-        for more in (LITTLE_MEMORY, WITHOUT_STUBS):
-            if compiler_takes(more):
-                flags += more
-        if sys.platform.startswith("linux"):
-            # The files of the core call each other directly, too, instead of through a table.
-            extension.extra_link_args = [*extension.extra_link_args, "-Wl,-Bsymbolic-functions"]
-        extension.extra_compile_args = [*extension.extra_compile_args, *flags]
-    return extensions
+def sources_of_core():
+    """The extension modules of the core, whose C another process writes; none where it was ended from outside."""
+    Path("build").mkdir(exist_ok=True)
+    description = Path("build") / "core.json"
+    done = subprocess.run([sys.executable, "tools/core_sources.py", str(description)], check=False)
+    if done.returncode < 0:
+        print(f"the core was not compiled, so it runs interpreted: signal {-done.returncode}", file=sys.stderr)
+        return []
+    if done.returncode > 0:
+        sys.exit(done.returncode)
+    return json.loads(description.read_text(encoding="utf-8"))
 
 
 def compiler_takes(flags):
@@ -119,28 +80,6 @@ def compiler_takes(flags):
         except OSError:
             return False
     return done.returncode == 0
-
-
-def in_units(sources):
-    """One C file for each unit, which includes those of its modules; a source on its own stays as it is."""
-    if len(sources) == 1:
-        return sources
-    parts = {}
-    for source in sources:
-        unit = next((name for name, part in UNITS.items() if part in module_of(source)), "filters")
-        parts.setdefault(unit, []).append(Path(source).resolve())
-    units = []
-    for unit, paths in parts.items():
-        path = Path("build") / f"core_{unit}.c"
-        path.write_text("".join(f'#include "{one}"\n' for one in paths))
-        units.append(str(path))
-    return units
-
-
-def module_of(source):
-    """The name of a C file without the beginning that the files of all modules have: that of the group keeps it."""
-    name = Path(source).name
-    return name.removeprefix("__native_") if "attest_mav" in name else name
 
 
 class WholeOrNone(build_ext):

@@ -7,7 +7,7 @@ source keeps mypyc's own text.
 
 import ast
 import re
-from functools import cache
+from functools import lru_cache
 from inspect import cleandoc
 from itertools import pairwise
 from pathlib import Path
@@ -99,7 +99,7 @@ def field_text(module, class_name, name):
     return ""
 
 
-@cache
+@lru_cache(maxsize=1)
 def tree_of(module):
     """The source of a module of this package, None for any other."""
     path = Path(*module.split(".")).with_suffix(".py")

@@ -16,16 +16,17 @@ from attest_mav.installation.unit_folders import unit_remarks
 
 START = """\
 Next:
-  systemd-sysusers && systemctl daemon-reload
-  udevadm control --reload && udevadm trigger --subsystem-match=tty
-  editor {configuration}
+  sudo systemd-sysusers && sudo systemctl daemon-reload
+  sudo udevadm control --reload && sudo udevadm trigger --subsystem-match=tty
+  sudo editor {configuration}
   {program} config check {configuration}
-  systemctl enable --now attest-mav
-A further vehicle: /etc/attest-mav/NAME.toml, and systemctl enable --now attest-mav@NAME"""
+  sudo systemctl enable --now attest-mav
+A further vehicle: /etc/attest-mav/NAME.toml, and sudo systemctl enable --now attest-mav@NAME"""
 END = """\
 Next:
-  systemctl daemon-reload
-  userdel attest-mav"""
+  sudo systemctl stop attest-mav "attest-mav@*"
+  sudo systemctl daemon-reload && sudo udevadm control --reload
+  sudo userdel attest-mav"""
 
 prefix_option = click.option(
     "--prefix", metavar="DIR", default="/", help="Work below this folder instead of /; needs no root there."
@@ -67,9 +68,16 @@ def install(prefix: str, dry_run: bool, example: str) -> None:
 @command.command("uninstall")
 @prefix_option
 @dry_run_option
-@click.option("--purge", is_flag=True, help="Remove all of /etc/attest-mav and /var/lib/attest-mav too.")
+@click.option(
+    "--purge",
+    is_flag=True,
+    help="Remove configuration, state and drop-ins too.",
+)
 def uninstall(prefix: str, dry_run: bool, purge: bool) -> None:
-    """Remove what `service install` has written; a configuration that was changed stays."""
+    """Remove what `service install` has written.
+
+    A configuration that was changed, the state, and what was added beside them stay, and are named.
+    """
     _check_root(prefix, dry_run, "uninstall")
     for line in uninstall_files(Path(prefix), purge, dry_run):
         click.echo(line)

@@ -13,6 +13,16 @@ def number(value: float | None, digits: int, sign: str = "") -> str:
     return "-" if value is None else f"{value:{sign}.{digits}f}"
 
 
+def differences(of: dict[str, Any], digits: int, tilt: str = "tilt") -> str:
+    """Those of the differences in tilt and heading that are known, each behind a comma; "" for none."""
+    known = [
+        f", {name} {number(of[key], digits, sign)} deg"
+        for name, key, sign in ((tilt, "tilt_deg", ""), ("heading", "heading_deg", "+"))
+        if of[key] is not None
+    ]
+    return "".join(known)
+
+
 def verdict_line(state: dict[str, Any]) -> str:
     """The verdict with its reason, differences and age."""
     verdict = state["verdict"]
@@ -21,9 +31,7 @@ def verdict_line(state: dict[str, Any]) -> str:
     text = f"{verdict['source'] or 'autopilot'} {WORDS[verdict['agreement']]}"
     if verdict["reason"] != "agrees":
         text += f" ({verdict['reason']})"
-    if verdict["tilt_deg"] is not None:
-        text += f", tilt {number(verdict['tilt_deg'], 2)}, heading {number(verdict['heading_deg'], 2, '+')} deg"
-    return f"{text}, for {state['now_s'] - verdict['since_s']:.0f} s"
+    return f"{text}{differences(verdict, 2)}, for {state['now_s'] - verdict['since_s']:.0f} s"
 
 
 def headline(state: dict[str, Any]) -> str:
@@ -59,10 +67,13 @@ def remarks(state: dict[str, Any]) -> list[str]:
     return [*lines, *state["frame_notes"], *state["link_remarks"]]
 
 
-def lane_line(lane: dict[str, Any]) -> str:
+def lane_line(state: dict[str, Any], lane: dict[str, Any]) -> str:
     """One inertial sensor."""
     if lane["fault"]:
         return f"{lane['source']}: set aside ({lane['fault']})"
+    rates = [stream["achieved_hz"] for stream in state["streams"] if stream["name"] == lane["source"]]
+    if rates == [0.0] and published(state) is None:
+        return f"{lane['source']}: no samples"
     use = "published" if lane["estimate"] is not None else "used beside it"
     rests_on = f", {lane['rests_on']}" if lane["rests_on"] else ""
     return f"{lane['source']}: {use}{rests_on}"
@@ -76,8 +87,7 @@ def span_lines(state: dict[str, Any]) -> list[str]:
         end_s = span["end_s"] if place else state["now_s"]
         lines.append(
             f"{state['now_s'] - span['begin_s']:7.0f} s ago for {end_s - span['begin_s']:6.0f} s  "
-            f"{WORDS[span['agreement']]} ({span['reason']}), tilt up to {number(span['tilt_deg'], 1)}, "
-            f"heading {number(span['heading_deg'], 1, '+')} deg"
+            f"{WORDS[span['agreement']]} ({span['reason']}){differences(span, 1, 'tilt up to')}"
         )
     return lines
 
@@ -103,7 +113,7 @@ def sections(state: dict[str, Any]) -> list[tuple[str, list[str]]]:
         (headline(state), remarks(state)),
         (verdict_line(state), span_lines(state)),
         ("attitudes, degrees", attitudes),
-        ("inertial sensors", [lane_line(lane) for lane in state["lanes"]]),
+        ("inertial sensors", [lane_line(state, lane) for lane in state["lanes"]]),
         ("links", [link_line(link) for link in state["links"]]),
     ]
     return [(title, lines) for title, lines in all_sections if lines or title != "inertial sensors"]

@@ -98,6 +98,7 @@ class AttitudeCheck:
             return []
         verdict = self.undecided("no-reference", now_ns)
         self._sources.clear()
+        self.judge.forget_attitudes()
         self._refused_ns = -1
         return [verdict]
 

@@ -70,6 +70,10 @@ class Pairing:
         self._estimates.clear()
         self._waiting.clear()
 
+    def forget_waiting(self) -> None:
+        """No attitude comes any more: those that still wait lead their own stream, and are given up."""
+        self._waiting.clear()
+
     def waits(self, reference: AttitudeSample) -> bool:
         """True when the attitude is to wait for the next estimate; it is then kept until ``take``."""
         newest = self.newest

@@ -107,6 +107,12 @@ class Judge:
         self._pairing.forget()
         self._members = ()
 
+    def forget_attitudes(self) -> None:
+        """The autopilot's attitudes have stopped: none waits any more, and no accusation stands that could go on."""
+        self._pairing.forget_waiting()
+        for source in self._sources.values():
+            source.is_accused = False
+
     def use(self, settings: VerdictSettings) -> None:
         """Judge by other settings from now on."""
         self._settings = settings

@@ -68,15 +68,13 @@ def uninstall(prefix: Path, purge: bool, dry_run: bool) -> Iterator[str]:
     for target in _ours(prefix):
         yield from _remove(target, dry_run)
     configuration = below(prefix, CONFIGURATION)
-    examples = [example_text(name) for name in example_names()]
-    if purge:
-        for folder in (configuration.parent, below(prefix, STATE)):
-            yield from _remove(folder, dry_run)
-    elif _text_of(configuration) in examples:
+    if not purge and _is_as_it_came(configuration):
         yield from _remove(configuration, dry_run)
         yield from _remove_if_empty(configuration.parent, dry_run)
-    elif configuration.exists():
-        yield f"kept        {configuration}"
+    for target in _of_the_user(prefix, purge):
+        if purge and not dry_run:
+            _delete(target)
+        yield f"{'removed' if purge else 'kept':<11} {target}"
 
 
 def below(prefix: Path, path: str) -> Path:
@@ -93,6 +91,25 @@ def _ours(prefix: Path) -> Iterator[Path]:
         yield system / f"{unit}.d"
     yield below(prefix, f"/etc/sysusers.d/{UNIT}.conf")
     yield below(prefix, f"/etc/udev/rules.d/65-{UNIT}.rules")
+
+
+def _is_as_it_came(file: Path) -> bool:
+    """Whether a file is one of the examples."""
+    return _text_of(file) in [example_text(name) for name in example_names()]
+
+
+def _of_the_user(prefix: Path, purge: bool) -> Iterator[Path]:
+    """Configuration and state, and what the user has added; a dry run finds our own files still beside them."""
+    ours = set(_ours(prefix))
+    for folder in (below(prefix, CONFIGURATION).parent, below(prefix, STATE)):
+        if folder.is_dir() and (purge or not all(map(_is_as_it_came, folder.iterdir()))):
+            yield folder
+    environment = below(prefix, f"/etc/default/{UNIT}")
+    if environment.exists():
+        yield environment
+    for folder in sorted(below(prefix, "/etc/systemd/system").glob(f"{UNIT}*.service.d")):
+        if any(one not in ours for one in folder.iterdir()):
+            yield folder
 
 
 def _remove(target: Path, dry_run: bool) -> Iterator[str]:

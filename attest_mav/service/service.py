@@ -202,6 +202,7 @@ class Service:
             clock=clock_snapshot(attitude.vehicle.clock, companion.timesync.answers),
             late_by_s=0.0 if self._pipeline is None else self._pipeline.freshness.late_by_s,
             lanes=lane_snapshots(self._pipeline),
+            aids=tuple(attitude.aids.values()),
             verdict=attitude.verdicts.standing,
             spans=attitude.verdicts.spans,
             tilt_threshold=tilt_threshold(self._pipeline, self._settings.pipeline.verdict),

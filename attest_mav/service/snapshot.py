@@ -7,6 +7,7 @@ reader makes rates of its own from two snapshots, whatever other readers do.
 from dataclasses import dataclass
 
 from attest_mav.estimate import Estimate
+from attest_mav.innovation import Innovation
 from attest_mav.mavlink.component.own_parameters import ParameterChange
 from attest_mav.service.signing_status import SigningSnapshot
 from attest_mav.service.verdict_records import AutopilotAttitude, VerdictSpan, VerdictStanding
@@ -142,6 +143,16 @@ class ClockSnapshot:
 
 
 @dataclass(frozen=True)
+class AidSnapshot:
+    """The newest measurement of one aid beside the published estimates."""
+
+    innovation: Innovation
+    """Its residual, and whether it was used."""
+    rx_ns: int
+    """Arrival of the inertial sample whose step took it, host clock."""
+
+
+@dataclass(frozen=True)
 class LaneSnapshot:
     """One inertial sensor with its filter. All counts are of samples, unless said otherwise."""
 
@@ -235,6 +246,8 @@ class Snapshot:
     """The delay of the newest sample of the published lane where it is too large to be used, s; else 0."""
     lanes: tuple[LaneSnapshot, ...]
     """Empty before the first inertial sample."""
+    aids: tuple[AidSnapshot, ...]
+    """The newest measurement of each aid that the filter was offered, in the order in which the aids first came."""
     verdict: VerdictStanding | None
     """None before the first verdict."""
     spans: tuple[VerdictSpan, ...]

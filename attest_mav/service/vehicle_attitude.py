@@ -11,11 +11,13 @@ from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind, Verdic
 from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.estimation.vehicle import Vehicle
 from attest_mav.filters.base import AttitudeFilter
+from attest_mav.innovation import Aid
 from attest_mav.mavlink.component.companion import Companion
 from attest_mav.samples import ImuSample, Sample
 from attest_mav.service.announcements import Announcements
 from attest_mav.service.publisher import Publisher
 from attest_mav.service.sender_clock import SenderClock
+from attest_mav.service.snapshot import AidSnapshot
 from attest_mav.service.verdict_teller import VerdictTeller
 
 TWO_SENDERS: Final = "two vehicles with one id"
@@ -38,6 +40,8 @@ class VehicleAttitude:
         """None before the first inertial sample that is used."""
         self.publisher: Final = Publisher(companion, announcements, settings.max_sigma)
         self.verdicts: Final = VerdictTeller(companion, announcements, vehicle)
+        self.aids: Final[dict[Aid, AidSnapshot]] = {}
+        """The newest measurement of each aid beside the published estimates."""
         self._companion: Final = companion
         self._settings = settings
         self._filter = attitude_filter
@@ -68,6 +72,7 @@ class VehicleAttitude:
             return
         lanes = [source, *self._companion.data.further_imu]
         self.pipeline = Pipeline(self._settings, self._filter, lanes, self.vehicle)
+        self.aids.clear()
         remark = f" ({note})" if note else ""
         self._companion.notebook.info(f"using {source} with the filter {self._filter.name}{remark}")
 
@@ -116,6 +121,8 @@ class VehicleAttitude:
         is_due = False
         for event in events:
             if isinstance(event, Estimate):
+                for one in event.innovations:
+                    self.aids[one.aid] = AidSnapshot(one, event.rx_ns)
                 if event is self.estimate and not self._two_senders:  # one that came too late to hold is not sent
                     contradicted = self.pipeline is not None and self.pipeline.is_contradicted
                     self.publisher.publish(event, contradicted, now_ns)

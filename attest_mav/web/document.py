@@ -16,7 +16,7 @@ from attest_mav.algebra import q_to_euler
 from attest_mav.estimate import Estimate
 from attest_mav.estimation.events import Verdict
 from attest_mav.innovation import Innovation
-from attest_mav.service.snapshot import Snapshot
+from attest_mav.service.snapshot import AidSnapshot, Snapshot
 from attest_mav.service.status import STATE_NAMES, obstacles
 from attest_mav.service.verdict_records import AutopilotAttitude, VerdictSpan, VerdictStanding
 from attest_mav.types import EarthField, Quat
@@ -84,6 +84,10 @@ def _innovation(one: Innovation) -> dict[str, object]:
     return {"aid": one.aid, "fusion": one.fusion, "residual": one.residual, "variance": one.variance, "nis": one.nis}
 
 
+def _aid(one: AidSnapshot) -> dict[str, object]:
+    return _innovation(one.innovation) | {"received_s": one.rx_ns * 1e-9}
+
+
 def _verdict(verdict: Verdict) -> dict[str, object]:
     return {
         "agreement": verdict.agreement,
@@ -125,6 +129,7 @@ def _field(field: EarthField) -> dict[str, object]:
 _RECORDS: Final[dict[type, Callable[[Any], dict[str, object]]]] = {
     Estimate: _estimate,
     Innovation: _innovation,
+    AidSnapshot: _aid,
     VerdictStanding: _standing,
     VerdictSpan: _span,
     AutopilotAttitude: _autopilot,

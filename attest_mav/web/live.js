@@ -3,7 +3,7 @@
 (() => {
   const LONGEST_S = 600, OLD_S = 1.5, SILENT_MS = 3000, MAX_POINTS = 2400, LEFT = 40, BOTTOM = 18;
   const points = [];
-  const aids = new Map(); // the newest innovation seen of each aid: most steps of the filter have none
+  const UNFIT = ["inflated", "outside_gate", "implausible", "too_old"]; // uses of a measurement that did not fit
   let now = null, before = null, heardMs = 0, spanS = 60, colours = {};
 
   const byId = (id) => document.getElementById(id);
@@ -218,12 +218,13 @@
       const rate = perSecond(lane.samples, earlier?.samples), isSilent = rate === 0;
       const state = lane.fault ? [`set aside: ${lane.fault}`, "bad text"] : isSilent ? ["no samples", "bad"] :
         lane.estimate ? "published" : "used beside it";
-      return [lane.source, state, `${fixed(rate, 0)} Hz`, [lane.rests_on || "–", "text"],
-        `${fixed(lane.delay_s * 1000, 0)} ms`];
+      return [lane.source, state, `${fixed(rate, 0)} Hz`, [(!isSilent && lane.rests_on) || "–", "text"],
+        isSilent ? "–" : `${fixed(lane.delay_s * 1000, 0)} ms`];
     }));
-    fill("aids", ["aid", "seen", "use", "innovation", "NIS"], [...aids.values()].map((one) => [
-      one.aid.replaceAll("_", " "), `${fixed(now.now_s - one.seen_s, 0)} s ago`, [one.fusion.replaceAll("_", " "), one.fusion === "used" ? "" : "doubt"],
-      one.residual.map((value) => fixed(value, 3, "+")).join("  ") || "–", fixed(one.nis, 1)]));
+    fill("aids", ["aid", "seen", "use", "innovation", "NIS"], now.aids.map((one) => [
+      one.aid.replaceAll("_", " "), `${fixed(now.now_s - one.received_s, 0)} s ago`,
+      [one.fusion.replaceAll("_", " "), UNFIT.includes(one.fusion) ? "doubt" : ""],
+      [one.residual.map((value) => fixed(value, 3, "+")).join("  ") || "–", "text"], fixed(one.nis, 1)]));
     fill("messages", ["message", "rate", "asked for", "remark"], now.streams.map((stream) => [stream.name,
       [`${fixed(stream.achieved_hz, 1)} Hz`, stream.achieved_hz < 0.8 * stream.hz ? "doubt" : ""],
       `${fixed(stream.hz, 0)} Hz`, [stream.hindrance || (stream.answer === "accepted" ? "" : stream.answer), "text"]]));
@@ -239,7 +240,6 @@
   function take(state) {
     if (before === null || state.now_s < (now?.now_s ?? 0)) {
       points.length = 0; // another run of the daemon
-      aids.clear();
     }
     if (before === null || state.now_s - before.now_s >= 2 || state.now_s < before.now_s) before = now ?? state;
     now = state;
@@ -253,7 +253,6 @@
     while (points.length > MAX_POINTS || now.now_s - points[0].t > LONGEST_S) points.shift();
     const shownS = now.now_s - Math.min(points[0].t, now.spans[0]?.begin_s ?? now.now_s);
     spanS = [60, 120, 300, LONGEST_S].find((one) => one >= shownS) || LONGEST_S;
-    for (const one of estimate?.innovations || []) aids.set(one.aid, { ...one, seen_s: now.now_s });
   }
   function showVerdict() {
     const verdict = now.verdict, words = { agree: "The autopilot's attitude agrees", disagree: "THE AUTOPILOT'S ATTITUDE IS WRONG",

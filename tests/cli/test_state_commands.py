@@ -22,7 +22,7 @@ from attest_mav.web.document import encoded
 
 @pytest.fixture(scope="module")
 def documents():
-    """The states of a daemon before a vehicle comes and ten seconds later."""
+    """The states of a daemon before a vehicle comes, ten seconds later, and five seconds after it was switched off."""
     dialect = load_dialect()
     vehicle = FakeAutopilot(SimSettings(scenario="still", fast_rate_hz=50.0), 1, dialect)
     config = parse_config("[[link]]\nurl = 'udpin::0'\n", "test")
@@ -33,7 +33,10 @@ def documents():
         service.poll(now_ns)
         for frame in service.take_frames(0):
             vehicle.handle(frame, now_ns)
-    return [*states, encoded(service.snapshot(now_ns, [Traffic(is_open=True)]))]
+    states.append(encoded(service.snapshot(now_ns, [Traffic(is_open=True)])))
+    for silent_ns in range(now_ns, now_ns + 5_000_000_000, 10_000_000):
+        service.poll(silent_ns)
+    return [*states, encoded(service.snapshot(silent_ns, [Traffic(is_open=True)]))]
 
 
 class Answers(http.server.BaseHTTPRequestHandler):
@@ -87,6 +90,21 @@ def test_status_prints_verdict_attitudes_sensors_and_links(server, documents):
     assert any(line.startswith("  udpin::0: open, ") for line in lines)
 
 
+def test_status_of_a_vehicle_that_is_gone_names_no_aid_and_no_difference(server, documents):
+    lines = run(status, "--at", server(documents[2])).splitlines()
+    assert lines[0].endswith(", not heard")
+    assert "  RAW_IMU: no samples" in lines
+    assert any(" undecided (no-reference), for " in line for line in lines)
+    assert "heading -" not in "".join(lines).replace("heading -0.", "")
+
+
+def test_the_newest_measurement_of_each_aid_is_told_though_most_steps_have_none(documents):
+    state = json.loads(documents[1])
+    ages_s = {one["aid"]: state["now_s"] - one["received_s"] for one in state["aids"]}
+    assert ages_s["magnetometer"] < 0.5  # ten a second at least
+    assert json.loads(documents[0])["aids"] == []
+
+
 def test_status_of_a_daemon_without_a_vehicle_and_as_json(server, documents):
     address = server(documents[0])
     assert run(status, "--at", address).splitlines()[:2] == ["waiting: no vehicle yet", "no verdict yet"]
@@ -108,7 +126,7 @@ def test_an_address_that_is_none_is_a_usage_error():
 
 
 def test_watch_in_a_pipe_writes_a_line_for_each_change_and_waits_for_a_daemon_that_is_gone(server, documents):
-    idle, active = documents
+    idle, active, _ = documents
     address = server(idle, idle, active, active, None, None, active)
     lines = run(watch, "--at", address, "--looks", "7").splitlines()
     assert [line.split(":")[0] for line in lines] == ["waiting", "active", "the daemon at 127.0.0.1", "active"]

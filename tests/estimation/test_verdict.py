@@ -6,6 +6,7 @@ import pytest
 
 from attest_mav.algebra import q_exp, q_from_euler, q_mul
 from attest_mav.estimate import Estimate
+from attest_mav.estimation.attitude_check import AttitudeCheck
 from attest_mav.estimation.difference import Member
 from attest_mav.estimation.events import Agreement
 from attest_mav.estimation.verdict import Judge, VerdictSettings
@@ -200,3 +201,19 @@ def test_no_hold_time_means_at_once():
     judge = Judge(VerdictSettings(hold_s=0.0))
     last_said(LEVEL, judge=judge)
     assert last_said(q_from_euler(0.2, 0.0, 0.0), 0.1, judge, 5.0).agreement == DISAGREE
+
+
+def test_attitudes_that_led_their_stream_accuse_nobody_once_it_has_stopped():
+    """A second vehicle's frames come at once, with stamps of the next two seconds; then its true attitudes come."""
+    check, wrong = AttitudeCheck(VerdictSettings()), q_from_euler(radians(30.0), 0.0, 0.0)
+    for k in range(50):
+        check.take_estimate(estimate(0.1 * k))
+        check.take(attitude(0.1 * k, LEVEL))
+    for k in range(20):
+        check.take(attitude(5.0 + 0.1 * k, wrong))
+    assert check.poll(8_000_000_000)[-1].reason == "no-reference"
+    said = []
+    for k in range(30):
+        said += check.take_estimate(estimate(5.0 + 0.1 * k))
+        said += check.take(attitude(5.0 + 0.1 * k, LEVEL)) if k >= 20 else []
+    assert {one.agreement for one in said} == {AGREE}

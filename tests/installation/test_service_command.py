@@ -33,7 +33,7 @@ def files(folder):
 
 def test_installing_writes_what_uninstalling_takes_away(tmp_path):
     said = run("install", "--prefix", str(tmp_path))
-    assert "systemctl enable --now attest-mav\n" in said
+    assert "  sudo systemctl enable --now attest-mav\n" in said
     assert files(tmp_path) == [
         CONFIGURATION,
         "etc/systemd/system/attest-mav.service",
@@ -70,7 +70,9 @@ def test_a_dry_run_says_the_same_and_does_nothing(tmp_path):
     assert files(tmp_path) == []
     assert said == run("install", "--prefix", str(tmp_path))
     before = files(tmp_path)
-    assert f"removed     {tmp_path / UNIT}" in run("uninstall", "--prefix", str(tmp_path), "--dry-run")
+    foreseen = run("uninstall", "--prefix", str(tmp_path), "--dry-run")
+    assert f"removed     {tmp_path / UNIT}" in foreseen
+    assert "kept" not in foreseen
     assert files(tmp_path) == before
 
 
@@ -121,12 +123,22 @@ def test_a_configuration_that_is_wrong_stops_no_installation(tmp_path):
     assert (tmp_path / UNIT).exists()
 
 
-def test_the_users_drop_ins_survive(tmp_path):
+def test_what_the_user_has_added_survives_is_named_and_goes_with_purge(tmp_path):
     run("install", "--prefix", str(tmp_path))
-    mine = tmp_path / (UNIT + ".d") / "override.conf"
-    mine.write_text("[Service]\n")
-    run("uninstall", "--prefix", str(tmp_path))
-    assert files(tmp_path) == [str(mine.relative_to(tmp_path))]
+    mine = [UNIT + ".d/override.conf", "etc/default/attest-mav", "var/lib/attest-mav/state.json"]
+    for name in mine:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("mine\n")
+    foreseen = run("uninstall", "--prefix", str(tmp_path), "--dry-run")
+    said = run("uninstall", "--prefix", str(tmp_path))
+    assert files(tmp_path) == sorted(mine)
+    for kept in ("etc/systemd/system/attest-mav.service.d", "etc/default/attest-mav", "var/lib/attest-mav"):
+        assert f"kept        {tmp_path / kept}\n" in said
+        assert f"kept        {tmp_path / kept}\n" in foreseen
+    run("uninstall", "--prefix", str(tmp_path), "--purge", "--dry-run")
+    assert files(tmp_path) == sorted(mine)
+    assert f"removed     {tmp_path / 'var/lib/attest-mav'}\n" in run("uninstall", "--prefix", str(tmp_path), "--purge")
+    assert files(tmp_path) == []
 
 
 def test_a_service_that_is_enabled_is_not_torn_out(tmp_path):

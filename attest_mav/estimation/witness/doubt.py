@@ -3,7 +3,12 @@
 from typing import Final
 
 FIX_DOUBT_NS: Final = 600_000_000
-"""After a fix that is beyond half of the gate on all lanes."""
+"""After a fix that contradicts all lanes."""
+FAR_GATES: Final = 0.5
+"""Two fixes in a row beyond this share of their gate on all lanes make doubt."""
+FAR_ALONE_GATES: Final = 0.7
+"""One fix beyond this share does. Noise of a healthy receiver exceeds half of the gate every minute or few, hardly ever
+twice in a row, and this share hardly ever."""
 FIELD_DOUBT_NS: Final = 1_400_000_000
 """The first time of a field residual; one that stays is the field's own."""
 FIELD_CLEAR_NS: Final = 2_000_000_000
@@ -19,6 +24,8 @@ class Doubt:
 
     def __init__(self) -> None:
         self._fix_until_ns = -1
+        self._was_far = False
+        """Whether the newest fix was beyond ``FAR_GATES``."""
         self._field_until_ns = -1
         self._field_seen_ns = -2 * FIELD_CLEAR_NS
         self._probation = 0
@@ -28,8 +35,15 @@ class Doubt:
         """True while there is doubt."""
         return now_ns < self._fix_until_ns or now_ns < self._field_until_ns or self._probation > 0
 
+    def take_fix(self, share: float, now_ns: int) -> None:
+        """Take the next fix. share: of the gate, the least of all lanes."""
+        is_far = share > FAR_GATES
+        if share > FAR_ALONE_GATES or (is_far and self._was_far):
+            self.fix_contradicts(now_ns)
+        self._was_far = is_far
+
     def fix_contradicts(self, now_ns: int) -> None:
-        """A fix is beyond half of the gate on all lanes."""
+        """A fix contradicts all lanes."""
         self._fix_until_ns = now_ns + FIX_DOUBT_NS
 
     def fix_is_explained(self) -> None:

@@ -11,7 +11,7 @@ from attest_mav.algebra import hypotenuse
 from attest_mav.estimation.events import LaneEvent, LaneEventKind
 from attest_mav.estimation.witness.candidate import Candidate, Explanation, Hypothesis
 from attest_mav.estimation.witness.contradiction import Contradiction, run_again
-from attest_mav.estimation.witness.doubt import Doubt
+from attest_mav.estimation.witness.doubt import FAR_GATES, Doubt
 from attest_mav.estimation.witness.lane_watch import LaneWatch
 from attest_mav.estimation.witness.moments import Moment
 from attest_mav.estimation.witness.return_watch import ReturnWatch
@@ -19,8 +19,6 @@ from attest_mav.filters.velocity_aided.filter import VelocityAided
 
 JOINT_GATES: Final = 0.7
 """All lanes contradict the fixes when each is beyond this share of its gate, and one beyond its gate."""
-DOUBT_GATES: Final = 0.5
-"""A fix beyond this share of the gate makes doubt; during a contradiction too, where the set has the explanations."""
 
 _WORDS: Final = {
     Explanation.RECEIVER: "the receiver's velocity makes no sense: it is not used",
@@ -86,8 +84,7 @@ class ReceiverMonitor:
             misfits.append(lane.fixes.misfit)
         self._judged_ns = fix.t_ns
         self._on_probation(selected)
-        if min(shares) > DOUBT_GATES:
-            self._doubt.fix_contradicts(moment.t_ns)
+        self._doubt.take_fix(min(shares), moment.t_ns)
         if max(misfits) <= 1.0 or min(misfits) <= JOINT_GATES or not selected.proving.done:
             return []
         self.contradiction = Contradiction(selected, one, selected.fix_seen_ns, self.shift_s)
@@ -116,7 +113,7 @@ class ReceiverMonitor:
         fix = selected.fix
         if fix is not None and fix.t_ns != self._judged_ns:
             self._judged_ns = fix.t_ns
-            if fix.nis > DOUBT_GATES * selected.fixes.gate:
+            if fix.nis > FAR_GATES * selected.fixes.gate:  # the set has the explanations: one fix is enough
                 self._doubt.fix_contradicts(moment.t_ns)
         best = contradiction.decided(moment.t_ns)
         if best is None:

@@ -30,13 +30,14 @@ class _Alternation:
 
     def __init__(self) -> None:
         self._changes_ns: Final[deque[int]] = deque(maxlen=MIN_ALTERNATIONS)
-        self._last = 0
+        self.last = 0
+        """The series of the newest frame."""
 
     def take(self, series: int, now_ns: int) -> bool:
         """A frame belongs to series 0 or 1; True where it changes between them, once more than one sender can."""
-        if series == self._last:
+        if series == self.last:
             return False
-        self._last = series
+        self.last = series
         changes_ns = self._changes_ns
         changes_ns.append(now_ns)
         return len(changes_ns) == MIN_ALTERNATIONS and now_ns - changes_ns[0] <= SPAN_NS
@@ -66,7 +67,10 @@ class SequenceRuns:
 
 
 class Clocks:
-    """The differences between the clocks of one pair of ids and the host's."""
+    """The two newest differences between the clocks of one pair of ids and the host's.
+
+    A clock that was set, or that began anew with its autopilot, leaves a difference behind that comes no more.
+    """
 
     def __init__(self) -> None:
         self._offsets: Final[list[int]] = []
@@ -81,9 +85,11 @@ class Clocks:
                 return self._alternation.take(series, now_ns)
         if len(offsets) < 2:
             offsets.append(offset_ns)
+            series = len(offsets) - 1
         else:
-            offsets[1] = offset_ns
-        return self._alternation.take(len(offsets) - 1, now_ns)
+            series = 1 - self._alternation.last
+            offsets[series] = offset_ns
+        return self._alternation.take(series, now_ns)
 
 
 class IdentityWatch:

@@ -55,6 +55,7 @@ class Requester:
         if vehicle is None:
             return
         port = self._ports[vehicle.link]
+        self._data.stream_manager.silent_ns = self._traffic.silent_ns(now_ns)
         for request in self._data.poll(now_ns):
             port.request(request, vehicle.system, vehicle.component)
         for name in self._data.autopilot_settings.poll(now_ns):

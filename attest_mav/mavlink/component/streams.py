@@ -46,6 +46,8 @@ class StreamManager:
         """What the link of the requests loses."""
         self.unanswered = 0
         """Requests given up without an answer since the last answer."""
+        self.silent_ns = -OVERRIDE_MEMORY_NS
+        """When the vehicle was last silent on all links: no other program has lowered the rates of that time."""
         self._lines: Final = LineLimit()
         self._asks: Final = asks
         self._notebook: Final = notebook
@@ -194,7 +196,7 @@ class StreamManager:
             if stream.on_trial:
                 stream.helped(now_ns)
             return
-        if stream.was_met and not self.loss.text:
+        if stream.was_met and not self.loss.text and now_ns - self.silent_ns > stream.window_ns:
             stream.fell(now_ns)
         overridden = now_ns - self._overridden_ns < OVERRIDE_MEMORY_NS
         if stream.on_trial and stream.unchanged() and stream.was_answered and not overridden:

@@ -23,6 +23,8 @@ INTERVALS: Final = 3
 """That silence in intervals of the message."""
 AWAY_NS: Final = 2_000_000_000
 """The vehicle has been silent for this long on all links: nothing is requested. Its heartbeats come once a second."""
+SILENT_NS: Final = 500_000_000
+"""The vehicle has been silent for this long on all links: rates over this time tell of the links alone."""
 LOOP_COPIES: Final = 20
 """Copies within ``LOOP_SPAN_NS`` on the link that brought the originals: a router sends frames twice, or in a loop."""
 LOOP_SPAN_NS: Final = 5_000_000_000
@@ -63,7 +65,7 @@ class VehicleTraffic:
         self._lines: Final = LineLimit()
         self._copies = Copies()
         self._homes: Final[dict[int, _Home]] = {}
-        self._heard_ns = -AWAY_NS
+        self._heard_ns = self._resumed_ns = -AWAY_NS
         self._loop_began_ns = 0
         self._loop_copies = 0
         self._looping = -1
@@ -77,6 +79,8 @@ class VehicleTraffic:
 
     def take(self, link: int, frame: Frame, now_ns: int) -> bool:
         """Whether to use this frame of the vehicle."""
+        if now_ns - self._heard_ns >= SILENT_NS:
+            self._resumed_ns = now_ns
         self._heard_ns = now_ns
         self.is_signed = frame.signed
         if self._copies.is_copy(link, frame, now_ns):
@@ -99,6 +103,10 @@ class VehicleTraffic:
     def is_away(self, now_ns: int) -> bool:
         """Whether nothing has come from the vehicle for some time, so that no request would be answered."""
         return now_ns - self._heard_ns >= AWAY_NS
+
+    def silent_ns(self, now_ns: int) -> int:
+        """When the vehicle was last silent on all links: now, or at the end of its last silence."""
+        return now_ns if now_ns - self._heard_ns >= SILENT_NS else self._resumed_ns
 
     def remarks(self, system: int, now_ns: int) -> list[str]:
         """What is wrong with the vehicle's frames, for the status; noted in the log once a minute."""

@@ -191,3 +191,19 @@ def test_a_fault_is_named_by_sensor_axis_and_size():
     assert sensor_text((0.0, -0.0873, 0.0), (0.0, 0.0, 0.0)) == "gyro y -5.0 degrees per second off"
     assert sensor_text((0.0, 0.0, 0.0), (0.0, 0.05, 1.5)) == "accelerometer z +1.5 m/s^2 off"
     assert sensor_text((0.1, 0.1, 0.0), (0.0, 0.0, 0.0)).startswith("gyro 8.1 degrees per second off (")
+
+
+@pytest.mark.parametrize(
+    ("shares", "doubted"),
+    [
+        ((0.3, 0.69, 0.3, 0.69), False),  # noise: far, and never twice in a row
+        ((0.3, 0.51, 0.51), True),
+        ((0.3, 0.71), True),
+    ],
+)
+def test_fixes_make_doubt_by_two_in_a_row_or_by_one_that_is_farther(shares, doubted):
+    doubt = Doubt()
+    for k, share in enumerate(shares):
+        doubt.take_fix(share, k * S // 5)
+    assert doubt.active((len(shares) - 1) * S // 5) == doubted
+    assert not doubt.active(len(shares) * S // 5 + S)

@@ -174,6 +174,22 @@ def test_two_vehicles_with_one_id_are_named_once_a_minute(bench, other, evidence
     assert b.companion.remarks(b.now_ns) == []
 
 
+def test_two_vehicles_are_told_by_their_clocks_after_the_first_one_has_set_its_own(bench):
+    b = bench()
+    one, two = Sender(b), Sender(b, sequence=20, clock_ns=90 * 10**9)
+
+    def alone(tick):
+        beats(tick, one)
+        return one.sample()
+
+    fly(b, 10.0, alone)
+    one.clock_ns = -5 * 10**9
+    fly(b, 20.0, alone)
+    assert b.companion.remarks(b.now_ns) == []
+    fly(b, 22.0, lambda _: one.sample() + two.sample())
+    assert b.companion.traffic.identity.are_two_clocks(b.now_ns)
+
+
 @pytest.mark.parametrize("late_by", [1, 3, 15])
 def test_late_frames_are_no_second_vehicle(bench, late_by):
     b = bench()

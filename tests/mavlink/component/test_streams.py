@@ -133,6 +133,24 @@ def test_a_rate_that_is_overridden_again_and_again_is_45_hz_in_each_minute_and_t
     assert len(lines) <= 2 * 6
 
 
+@pytest.mark.parametrize("is_cut", [True, False])
+def test_a_link_that_was_cut_is_not_laid_to_another_program(manager, is_cut):
+    """Asking has helped once; ten minutes later a second's messages are missing."""
+    autopilot = Autopilot()
+    autopilot.run(manager, 0, 10)
+    autopilot.hz = dict.fromkeys(autopilot.hz, 4.0)
+    autopilot.run(manager, 10, 600)
+    usual = autopilot.hz
+    autopilot.hz = dict.fromkeys(usual, 0.0)
+    if is_cut:
+        manager.silent_ns = 601 * 10**9
+    autopilot.run(manager, 600, 601)
+    autopilot.hz = usual
+    autopilot.run(manager, 601, 606)
+    imu = next(stream for stream in manager.streams if stream.message_id == IMU)
+    assert (imu.override_text(606 * 10**9) == "") == is_cut
+
+
 def test_a_rate_that_no_asking_raises_is_asked_for_ever_more_seldom(manager):
     """An autopilot that accepts, and a station that sets 4 Hz at once each time."""
     autopilot = Autopilot(ceiling_hz=4.0)
