@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from attest_mav.filters.velocity_aided.aids.iron import (
     FIELD_NOISE,
     LARGEST_UNEXPLAINED,
+    LONGEST_S,
     MEMORY_TURN,
     SIGNIFICANT,
     TURNING_RATE,
@@ -26,8 +27,6 @@ from attest_mav.smoothing.readings import Recording
 from attest_mav.smoothing.rotations import Array
 from attest_mav.types import Vec3
 
-LONGEST_S: Final = 0.5
-"""s. Over a longer time between two readings nobody knows how far the body turned."""
 LARGEST_MISFIT: Final = 0.05
 """1. Share of the readings without it in a recording whose iron is always there."""
 WINDOW_STEP: Final = 1.0
@@ -67,8 +66,8 @@ class _Strengths:
         self._readings, self._rows, self._parameters = readings, rows, parameters
         self._first = field[0]
         self._u = field / np.sqrt((field[0] ** 2).sum())
-        self._turns: NDArray[np.bool_] = (rate > TURNING_RATE) & (since_s < LONGEST_S)
-        self._turn = np.where(self._turns, rate * since_s, 0.0)
+        self._turns: NDArray[np.bool_] = rate > TURNING_RATE
+        self._turn = np.where(self._turns, rate * np.minimum(since_s, LONGEST_S), 0.0)
         y = 0.5 * ((self._u**2).sum(axis=1) - 1.0)
         squares = (self._u[:, :, np.newaxis] * self._u[:, np.newaxis, :]).reshape(-1, 9)
         each = np.column_stack((np.ones_like(y), self._u, y, squares, y[:, np.newaxis] * self._u, y * y))

@@ -34,6 +34,8 @@ ALIKE_TURN: Final = 0.5
 """rad. Readings within this turn are alike and count once."""
 MEMORY_TURN: Final = 30.0
 """rad. After turning so far readings are forgotten."""
+LONGEST_S: Final = 0.5
+"""s. Of a longer time between two readings nobody knows how far the body turned in it."""
 TURNING_RATE: Final = 0.1
 """rad/s: a body that turns more slowly shows nothing new of the iron."""
 SIGNIFICANT: Final = 16.0
@@ -185,7 +187,8 @@ def watch_iron(
     if parameters.hard_iron <= 0.0:
         return nav, magnetometer, new_fit(field)
     before = new_fit(field) if fit is None else fit
-    after = before.with_reading(field, levelled.rate * since_s) if levelled.rate > TURNING_RATE else before
+    turn = levelled.rate * min(since_s, LONGEST_S)
+    after = before.with_reading(field, turn) if levelled.rate > TURNING_RATE else before
     found = fitted(after, scale(nav.hard_iron, 1.0 / after.strength))
     off = sub(scale(found.iron, after.strength), nav.hard_iron)
     known = add_diagonal(mat_scale(found.covariance, square(after.strength)), square(parameters.hard_iron))
