@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from attest_mav.smoothing.intervals import Intervals
+from attest_mav.smoothing.iron import Iron
 from attest_mav.smoothing.readings import Recording
 from attest_mav.smoothing.rotations import Array, cross_matrices, from_vector, matrices, multiply, turned
 
@@ -52,7 +53,9 @@ class FieldRows:
     t_s: Array
     """Instant of the reading, s."""
     field: Array
-    """Body, as read, gauss."""
+    """Body, without the iron that is known before, gauss."""
+    iron_sigma: Array
+    """1-sigma of that iron on each axis, gauss."""
     back: Array
     """Matrix from the body at the instant to that at the node."""
     rate: Array
@@ -95,7 +98,7 @@ def _force_slope(readings: Recording, intervals: Intervals, row: NDArray[np.int6
     return out
 
 
-def field_rows(readings: Recording, intervals: Intervals, lags: Lags) -> FieldRows:
+def field_rows(readings: Recording, intervals: Intervals, lags: Lags, iron: Iron) -> FieldRows:
     """The new readings of the magnetometer that lie within the intervals."""
     new = np.nonzero(np.isfinite(readings.field[:, 0]))[0]
     t_s = readings.t_s[new] - lags.field_s
@@ -105,7 +108,8 @@ def field_rows(readings: Recording, intervals: Intervals, lags: Lags) -> FieldRo
     since_row_s = (t_s - readings.t_s[row])[:, np.newaxis]
     then = multiply(intervals.turn_at[row], from_vector(rate * since_row_s))
     back = np.matmul(np.swapaxes(intervals.turn[node - 1], 1, 2), matrices(then))
-    return FieldRows(node, t_s, readings.field[new], back, rate, cross_matrices(rate))
+    field = readings.field[new] - iron.at_readings[new]
+    return FieldRows(node, t_s, field, iron.uncertainty[new], back, rate, cross_matrices(rate))
 
 
 def _places(

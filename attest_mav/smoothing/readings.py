@@ -84,6 +84,11 @@ class Recording:
     declination: float
     """Assumed, rad; NaN where it is not known, and headings are magnetic."""
 
+    @property
+    def in_place(self) -> bool:
+        """Whether the sensor stays in place from beginning to end, and no velocity tells otherwise."""
+        return bool(self.stays.all()) and not len(self.fixes.t_s)
+
 
 class Recorder(AttitudeFilter):
     """Takes the steps of a lane and keeps their readings. It has no state of its own, and estimates nothing."""

@@ -17,9 +17,10 @@ from attest_mav.filters.velocity_aided.aids.zero_motion import VELOCITY_SIGMA
 from attest_mav.filters.velocity_aided.lags import nominal_fix_lag_s, nominal_mag_lag_s
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.smoothing.backward import Last, Smoothed, smooth_block
-from attest_mav.smoothing.field_watch import deviation, strength_deviation
+from attest_mav.smoothing.field_watch import FieldWatch
 from attest_mav.smoothing.forward import ForwardPass, Problem, Restart, empty_block
 from attest_mav.smoothing.intervals import Intervals, Nominal, Steps, integrate, nodes_of, steps_of
+from attest_mav.smoothing.iron import first_iron
 from attest_mav.smoothing.measurements import Lags, field_rows, fix_rows
 from attest_mav.smoothing.model import (
     FIELD_LAG,
@@ -70,6 +71,8 @@ class Smoother:
         self._lags = Lags(nominal_mag_lag_s(self._parameters), nominal_fix_lag_s(readings.fix_origin, self._parameters))
         self._starts: Final = {int(np.searchsorted(self._nodes, one.begin)): one for one in readings.stretches}
         self._smoothed: Smoothed | None = None
+        self._iron: Final = first_iron(readings, parameters)
+        self._watch: Final = FieldWatch(readings.in_place, parameters)
         self._noises: tuple[NoiseClass, ...] = CLASSES
 
     def result(self) -> Result:
@@ -88,9 +91,13 @@ class Smoother:
         """The problem about the trajectory known so far."""
         readings, parameters = self._readings, self._parameters
         intervals = integrate(readings, self._steps, self._nodes, self._nominal, parameters)
-        fixes, fields = fix_rows(readings, intervals, self._lags), field_rows(readings, intervals, self._lags)
+        fixes, fields = (
+            fix_rows(readings, intervals, self._lags),
+            field_rows(readings, intervals, self._lags, self._iron),
+        )
         known = self._smoothed
-        seen = strength_deviation(fields, parameters) if known is None else deviation(fields, known, parameters)
+        seen = self._watch.strength_deviation(fields) if known is None else self._watch.deviation(fields, known)
+        seen = np.hypot(seen, fields.iron_sigma / np.sqrt((fields.field**2).sum(axis=1)))
         declination = readings.declination if isfinite(readings.declination) else 0.0
         problem = Problem(
             intervals,

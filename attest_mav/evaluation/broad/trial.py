@@ -7,7 +7,7 @@ of version 5, where it is a variable like the others.
 
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from io import BytesIO
 from typing import Any, Final
@@ -23,6 +23,9 @@ FORMATS: Final = (".hdf5", ".mat")
 
 WIDTHS: Final = {"imu_gyr": 3, "imu_acc": 3, "imu_mag": 3, "opt_quat": 4}
 """Columns of each field with a row a sample; ``movement`` has one value a sample."""
+
+IRON_DIRECTION: Final = np.array([1.0, -1.0, 1.0]) / np.sqrt(3.0)
+"""In which iron is added to a trial, in the sensor's axes."""
 
 RATE: Final = "sampling_rate"
 
@@ -52,6 +55,11 @@ class Trial:
     def disturbed(self) -> bool:
         """Whether the trial is one of those with tapping, vibration or magnets; the authors say it in the name."""
         return "_disturbed_" in self.name
+
+    def with_iron(self, share: float) -> "Trial":
+        """The trial with hard iron of this share of the field's usual strength, alike on all axes of the sensor."""
+        size = share * float(np.median(np.linalg.norm(self.mag, axis=1)))
+        return replace(self, mag=self.mag + size * IRON_DIRECTION)
 
 
 def read_trial(file_name: str, data: bytes) -> Trial:

@@ -19,6 +19,7 @@ from attest_mav.filters.velocity_aided.aids.fallback import SPACING_S, Fallback
 from attest_mav.filters.velocity_aided.aids.field import levelled_field
 from attest_mav.filters.velocity_aided.aids.gnss_velocity import GnssVelocity, fix_is_due, fuse_velocity
 from attest_mav.filters.velocity_aided.aids.gravity import fuse_gravity
+from attest_mav.filters.velocity_aided.aids.iron import IronFit, watch_iron
 from attest_mav.filters.velocity_aided.aids.magnetometer import Magnetometer, fuse_magnetometer, reading_is_due
 from attest_mav.filters.velocity_aided.aids.zero_mean_velocity import fuse_zero_mean_velocity
 from attest_mav.filters.velocity_aided.aids.zero_motion import Stationary, detect, fuse_zero_motion
@@ -68,12 +69,14 @@ def navigate(
         wind = estimate_wind(wind, nav, airspeed_ahead(inputs), dt_s)
     else:
         nav, fallback = _fuse_fallback(nav, before, mode, imu, inputs, dt_s, parameters)
-    nav, magnetometer = _fuse_field(nav, before, reading, sample, dt_s, parameters)
+    in_place = gnss.last is None and inputs.zero_mean_velocity
+    nav, magnetometer, iron = _fuse_field(nav, before, reading, sample, dt_s, in_place, parameters)
     return Navigation(
         nav,
         imu.with_attitude(nav),
         gnss,
         magnetometer,
+        iron,
         stationary,
         wind,
         fallback,
@@ -141,17 +144,19 @@ def _fuse_field(
     reading: Reading,
     sample: ImuSample,
     dt_s: float,
+    in_place: bool,
     parameters: FlightParameters,
-) -> tuple[NavigationState, Magnetometer]:
-    """State and magnetometer memory after the sample's field, if it is a new one."""
+) -> tuple[NavigationState, Magnetometer, IronFit | None]:
+    """State, magnetometer memory and fit of the iron after the sample's field, if it is a new one."""
     memory = before.magnetometer
+    iron = before.iron if in_place else None
     field = field_of(sample)
     if field is None:
         is_new = sample.mag is not None and sample.mag != memory.last_reading
         unusable = Innovation(Aid.MAGNETOMETER, Fusion.IMPLAUSIBLE, sample.t_ns) if is_new else None
-        return nav, memory.skipped(sample, dt_s, unusable)
+        return nav, memory.skipped(sample, dt_s, unusable), iron
     if not reading_is_due(memory, sample, dt_s, parameters):
-        return nav, memory.skipped(sample, dt_s, None)
+        return nav, memory.skipped(sample, dt_s, None), iron
     rate = body_rate(nav, scale(add(before.imu.gyro, reading.gyro), 0.5))
     levelled = levelled_field(nav, field, rate, before.assumed_declination)
     estimates_sensors = not before.stationary.is_settled
@@ -159,7 +164,9 @@ def _fuse_field(
     # The vertical velocity is not always measured, and then drifts.
     horizontal_speed = hypotenuse(nav.velocity[0], nav.velocity[1])
     velocity_shows_heading = before.gnss.since_fused_s < LOST_S and horizontal_speed > STANDING_SPEED
+    since_s = memory.since_reading_s + dt_s
     if magnetometer.since_accepted_s > REJECTED_S and not velocity_shows_heading:
-        since_s = memory.since_reading_s + dt_s
         nav = nav.with_added_variance(ErrorBlock.ATTITUDE, (0.0, 0.0, REJECTED_HEADING_NOISE**2 * since_s))
-    return nav, magnetometer
+    if in_place:
+        nav, magnetometer, iron = watch_iron(nav, magnetometer, iron, field, levelled, since_s, parameters)
+    return nav, magnetometer, iron

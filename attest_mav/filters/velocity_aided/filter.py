@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from math import asin, isfinite, nan, pi, sqrt
 from typing import Final, cast
 
-from attest_mav.algebra import add, clamp, norm, q_continuous, q_exp, q_mul, rotate, scale, square, sub
+from attest_mav.algebra import add, clamp, hypotenuse, norm, q_continuous, q_exp, q_mul, rotate, scale, square, sub
 from attest_mav.filters.base import AttitudeFilter, FilterInputs, FilterState, Start
 from attest_mav.filters.velocity_aided.aids.field import FieldResidual, field_residual
 from attest_mav.filters.velocity_aided.alignment.collect import Alignment, accumulate, new_alignment
@@ -206,7 +206,7 @@ class VelocityAided(AttitudeFilter):
             navigation.mode == AidingMode.GRAVITY,
             navigation.magnetometer.used,
             sqrt(tilt_variance),
-            norm((nav.heading_sigma, reset_sigma, lag_z)),
+            hypotenuse(norm((nav.heading_sigma, reset_sigma, lag_z)), navigation.unshown_iron_sigma),
             None,
             navigation,
             0.0,

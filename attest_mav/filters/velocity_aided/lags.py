@@ -59,11 +59,15 @@ def fix_lag_variance(origin: VelocityOrigin, parameters: FlightParameters) -> fl
     return square(sigma_s) + square(parameters.low_pass_delay_sigma)
 
 
+def mag_lag_variance(parameters: FlightParameters) -> float:
+    """Variance of the magnetometer's lag before it is estimated, s^2."""
+    return square(parameters.mag_delay_sigma) + square(parameters.low_pass_delay_sigma)
+
+
 def first_lag_covariance(declination_sigma: float, parameters: FlightParameters) -> Mat3:
     """Covariance of both lags and of the declination error at the start, taken for independent."""
-    mag = parameters.mag_delay_sigma**2 + parameters.low_pass_delay_sigma**2
     fix = fix_lag_variance(VelocityOrigin.RECEIVER, parameters)
-    return (mag, 0.0, 0.0), (0.0, fix, 0.0), (0.0, 0.0, declination_sigma**2)
+    return (mag_lag_variance(parameters), 0.0, 0.0), (0.0, fix, 0.0), (0.0, 0.0, declination_sigma**2)
 
 
 def low_pass_delay(nav: NavigationState, interval_s: float, parameters: FlightParameters) -> LowPassDelay:

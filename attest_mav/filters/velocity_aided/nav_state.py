@@ -14,6 +14,7 @@ from attest_mav.algebra import add, clamp, dot, q_exp, q_mul, q_norm, q_unit, sc
 from attest_mav.filters.velocity_aided.covariance import Covariance
 from attest_mav.filters.velocity_aided.covariance_blocks import (
     FIX_LAG,
+    MAG_LAG,
     ErrorBlock,
     decoupled,
     with_added_variance,
@@ -150,6 +151,21 @@ class NavigationState(Record):
             covariance,
         )
 
+    def with_hard_iron(self, hard_iron: Vec3, covariance: Covariance) -> "NavigationState":
+        """The state with another hard iron of the magnetometer, gauss."""
+        return NavigationState(
+            self.q_nb,
+            self.velocity,
+            self.gyro_bias,
+            self.gyro_scale,
+            self.accel_bias,
+            hard_iron,
+            self.mag_lag_s,
+            self.fix_lag_s,
+            self.declination_error,
+            covariance,
+        )
+
     def with_covariance(self, covariance: Covariance) -> "NavigationState":
         """The same estimate with another covariance."""
         return self.propagated(self.q_nb, self.velocity, covariance)
@@ -170,6 +186,11 @@ class NavigationState(Record):
         """The state for fixes from another source: their lag is new, and no other error depends on it."""
         p = with_component_restarted(self.covariance, ErrorBlock.DELAYS, FIX_LAG, variance)
         return self.with_lags(self.mag_lag_s, lag_s, self.declination_error, p)
+
+    def with_mag_lag(self, lag_s: float, variance: float) -> "NavigationState":
+        """The state with another lag of the magnetometer, on which no other error depends."""
+        p = with_component_restarted(self.covariance, ErrorBlock.DELAYS, MAG_LAG, variance)
+        return self.with_lags(lag_s, self.fix_lag_s, self.declination_error, p)
 
 
 def cross_covariance_of(nav: NavigationState, measurement: Measurement) -> CrossCovariance:

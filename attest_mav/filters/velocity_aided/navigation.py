@@ -9,6 +9,7 @@ from attest_mav.algebra import is_finite_number
 from attest_mav.filters.velocity_aided.aids.airspeed import Wind
 from attest_mav.filters.velocity_aided.aids.fallback import Fallback
 from attest_mav.filters.velocity_aided.aids.gnss_velocity import GnssVelocity
+from attest_mav.filters.velocity_aided.aids.iron import IronFit
 from attest_mav.filters.velocity_aided.aids.magnetometer import Magnetometer
 from attest_mav.filters.velocity_aided.aids.zero_motion import Stationary
 from attest_mav.filters.velocity_aided.measurement import Measurement
@@ -46,6 +47,7 @@ class Navigation(Record):
         imu: ImuMemory,
         gnss: GnssVelocity,
         magnetometer: Magnetometer,
+        iron: IronFit | None,
         stationary: Stationary,
         wind: Wind,
         fallback: Fallback,
@@ -61,6 +63,8 @@ class Navigation(Record):
         """Velocity fusion."""
         self.magnetometer: Final = magnetometer
         """Magnetometer fusion."""
+        self.iron: Final = iron
+        """What turning in place has shown of the hard iron; None once a velocity has come, or under way."""
         self.stationary: Final = stationary
         """Stationary detector and zero updates."""
         self.wind: Final = wind
@@ -78,6 +82,11 @@ class Navigation(Record):
     def assumed_declination(self) -> float:
         """Magnetic north east of the north that headings refer to, as assumed, rad."""
         return 0.0 if self.declination is None else self.declination
+
+    @property
+    def unshown_iron_sigma(self) -> float:
+        """1-sigma of the heading for an iron that turning in place has not shown, rad; 0 elsewhere."""
+        return 0.0 if self.iron is None else self.iron.heading_sigma
 
     @property
     def innovations(self) -> tuple[Innovation, ...]:
@@ -108,6 +117,7 @@ class Navigation(Record):
             imu,
             self.gnss,
             self.magnetometer,
+            self.iron,
             self.stationary,
             self.wind,
             self.fallback,

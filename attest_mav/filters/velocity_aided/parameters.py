@@ -149,6 +149,11 @@ class FlightParameters(Record):
 
 
 BARE_SENSOR: Final = FlightParameters(
-    low_pass_hz=0.0, low_pass_delay_sigma=0.0, fix_delay_s=0.0, mag_delay_s=0.0, own_delay_s=0.0
+    low_pass_hz=0.0,
+    low_pass_delay_sigma=0.0,
+    fix_delay_s=0.0,
+    mag_delay_s=0.0,
+    mag_delay_sigma=0.003,
+    own_delay_s=0.0,
 )
 """Parameters for readings as a sensor gives them, neither low-passed nor late, as an autopilot's messages are."""

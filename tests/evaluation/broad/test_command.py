@@ -115,3 +115,20 @@ def test_an_unknown_filter_lists_the_names(tmp_path):
         "'kalman'; known filters: gradient-descent-paper, gradient-descent, velocity-aided, smoothed, vqf"
         in done.stderr
     )
+
+
+def test_iron_turns_the_heading_of_a_filter_that_does_not_look_for_it(folder):
+    """A quarter of the field, of which 20 in 49 microtesla are level; the limits are not meant for that."""
+    done = run(folder, "--json", "--workers", "1", "--filter", "vqf,velocity-aided", "--iron", "0.25")
+    document = json.loads(done.stdout)
+    assert document["limits"] == []
+    figures = document["means"]["all"]
+    assert figures["vqf"]["heading"] > 5.0
+    assert figures["vqf"]["inclination"] < 0.3
+    assert done.returncode == 0
+
+
+def test_iron_is_a_share(tmp_path):
+    done = run(tmp_path, "--iron", "2")
+    assert done.returncode == 2
+    assert "--iron: expected a share of the field from 0 to 1" in done.stderr

@@ -26,6 +26,8 @@ LOW_PASS_S = 0.0112540
 FINE_S = 0.002
 ONE = (1.0, 0.0, 0.0, 0.0)
 ZERO = (0.0, 0.0, 0.0)
+SWINGS = ((0.7, 0.2), (1.1, 0.9), (0.5, 1.7))
+"""Frequency (Hz) and phase of the hand along each axis; 0.2 m each, so up to 9 m/s^2."""
 
 
 @dataclass
@@ -98,6 +100,32 @@ def gusty(seconds, still_s=0.0, speed=4.0, heading=0.4):
         axis=1,
     )
     return Motion(q, rate, velocity, acceleration)
+
+
+def carried():
+    """Five seconds of rest, then 55 s of turning by up to 60 degrees and swinging by 0.2 m, then rest again."""
+    t = np.arange(0.0, 65.0, FINE_S)
+    fade = np.clip(np.minimum(t - 5.0, 60.0 - t), 0.0, 1.0)
+    fade = fade * fade * (3.0 - 2.0 * fade)
+    swing = np.stack([0.2 * fade * np.sin(2.0 * np.pi * f * t + p) for f, p in SWINGS], axis=1)
+    velocity = np.gradient(swing, FINE_S, axis=0)
+    angles = [
+        radians(60.0) * fade * np.sin(1.3 * t),
+        radians(50.0) * fade * np.sin(1.9 * t + 1.0),
+        0.4 + 1.5 * fade * np.sin(0.6 * t),
+    ]
+    roll, pitch, _ = angles
+    rolling, pitching, yawing = (np.gradient(one, FINE_S) for one in angles)
+    rate = np.stack(
+        [
+            rolling - yawing * np.sin(pitch),
+            pitching * np.cos(roll) + yawing * np.sin(roll) * np.cos(pitch),
+            -pitching * np.sin(roll) + yawing * np.cos(roll) * np.cos(pitch),
+        ],
+        axis=1,
+    )
+    q = np.array([q_from_euler(*each) for each in zip(*angles, strict=True)])
+    return Motion(q, rate, velocity, np.gradient(velocity, FINE_S, axis=0))
 
 
 def body(q, v):
@@ -209,6 +237,12 @@ def circles():
 def copter():
     """A copter to and fro for 90 s, after ten seconds on the ground."""
     return gusty(90.0, still_s=10.0)
+
+
+@pytest.fixture(scope="session")
+def hand():
+    """A sensor that is turned by hand for 55 s."""
+    return carried()
 
 
 @pytest.fixture(scope="session")

@@ -1,46 +1,14 @@
 """Motion that stays in place, without any velocity: carried and turned by hand."""
 
 import copy
-from math import radians
 
 import numpy as np
 import pytest
 
-from attest_mav.algebra import q_from_euler
 from attest_mav.filters.base import FilterInputs
 from attest_mav.filters.velocity_aided.control import AidingMode
 
-from .conftest import DECLINATION, FINE_S, Motion, rms
-
-SWINGS = ((0.7, 0.2), (1.1, 0.9), (0.5, 1.7))
-"""Frequency (Hz) and phase of the hand along each axis; 0.2 m each, so up to 9 m/s^2."""
-
-
-@pytest.fixture(scope="module")
-def hand():
-    """Five seconds of rest, then 55 s of turning by up to 60 degrees and swinging by 0.2 m, then rest again."""
-    t = np.arange(0.0, 65.0, FINE_S)
-    fade = np.clip(np.minimum(t - 5.0, 60.0 - t), 0.0, 1.0)
-    fade = fade * fade * (3.0 - 2.0 * fade)
-    swing = np.stack([0.2 * fade * np.sin(2.0 * np.pi * f * t + p) for f, p in SWINGS], axis=1)
-    velocity = np.gradient(swing, FINE_S, axis=0)
-    angles = [
-        radians(60.0) * fade * np.sin(1.3 * t),
-        radians(50.0) * fade * np.sin(1.9 * t + 1.0),
-        0.4 + 1.5 * fade * np.sin(0.6 * t),
-    ]
-    roll, pitch, _ = angles
-    rolling, pitching, yawing = (np.gradient(one, FINE_S) for one in angles)
-    rate = np.stack(
-        [
-            rolling - yawing * np.sin(pitch),
-            pitching * np.cos(roll) + yawing * np.sin(roll) * np.cos(pitch),
-            -pitching * np.sin(roll) + yawing * np.cos(roll) * np.cos(pitch),
-        ],
-        axis=1,
-    )
-    q = np.array([q_from_euler(*each) for each in zip(*angles, strict=True)])
-    return Motion(q, rate, velocity, np.gradient(velocity, FINE_S, axis=0))
+from .conftest import DECLINATION, Motion, rms
 
 
 @pytest.fixture(scope="module")

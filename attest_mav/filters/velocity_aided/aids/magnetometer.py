@@ -100,6 +100,19 @@ class Magnetometer(Record):
             None,
         )
 
+    def without_field(self, parameters: FlightParameters) -> "Magnetometer":
+        """The memory without what it has learnt of a field that had iron in it."""
+        first = initial_magnetometer(parameters)
+        return Magnetometer(
+            self.last_reading,
+            self.since_reading_s,
+            self.since_accepted_s,
+            first.usual,
+            first.disturbance,
+            first.innovation_power,
+            self.innovation,
+        )
+
     def skipped(self, sample: ImuSample, dt_s: float, innovation: Innovation | None) -> "Magnetometer":
         """The memory after a step without a reading to be fused. innovation: of one that cannot be, if it is new."""
         return Magnetometer(

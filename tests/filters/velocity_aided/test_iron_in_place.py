@@ -1,0 +1,85 @@
+"""A magnetometer that is not calibrated, in place: iron of a quarter of the field."""
+
+from math import radians
+
+import numpy as np
+import pytest
+
+from attest_mav.algebra import q_from_euler
+from attest_mav.filters.base import FilterInputs
+
+from .conftest import DECLINATION, FINE_S, Motion, rms
+
+RATE_HZ = 50.0
+TURN_BEGINS = round(5.0 * RATE_HZ)
+QUARTER = 0.25 * 0.49
+"""gauss."""
+DIRECTIONS = ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (-0.58, 0.58, 0.58))
+
+
+def spinning():
+    """Five seconds of rest, then 30 s of turning about the vertical at 200 deg/s, level to 3 degrees."""
+    t = np.arange(0.0, 35.0, FINE_S)
+    fade = np.clip(t - 5.0, 0.0, 1.0)
+    yaw = 0.4 + radians(200.0) * np.cumsum(fade) * FINE_S
+    roll, pitch = 0.05 * fade * np.sin(2.1 * t), 0.05 * fade * np.cos(1.7 * t)
+    rolling, pitching, yawing = (np.gradient(one, FINE_S) for one in (roll, pitch, yaw))
+    rate = np.stack(
+        [
+            rolling - yawing * np.sin(pitch),
+            pitching * np.cos(roll) + yawing * np.sin(roll) * np.cos(pitch),
+            -pitching * np.sin(roll) + yawing * np.cos(roll) * np.cos(pitch),
+        ],
+        axis=1,
+    )
+    q = np.array([q_from_euler(*each) for each in zip(roll, pitch, yaw, strict=True)])
+    return Motion(q, rate, np.zeros_like(rate), np.zeros_like(rate))
+
+
+@pytest.fixture(scope="module")
+def flown(telemetry):
+    """Heading errors and sigmas (degrees) with iron on a motion, and whether the attitude is there yet."""
+
+    def fly(motion, iron):
+        flight = telemetry(
+            motion, rate_hz=RATE_HZ, integer=False, hard_iron=iron, gyro_bias=(0.004, -0.003, 0.005), gyro_noise=2e-3,
+            accel_noise=0.05, accel_bias=(0.03, -0.04, 0.02), mag_noise=2e-3,
+        )  # fmt: skip
+        flight.inputs = [FilterInputs(declination=DECLINATION) for _ in flight.samples]
+        states = flight.run()
+        sigma = np.degrees([state.heading_sigma if state.aligned else np.nan for state in states])
+        return flight.errors(states)[1], sigma, states
+
+    return fly
+
+
+@pytest.mark.parametrize("direction", DIRECTIONS)
+def test_turning_about_all_axes_shows_the_iron(hand, flown, direction):
+    heading, sigma, states = flown(hand, tuple(QUARTER * x for x in direction))
+    late = TURN_BEGINS + round(10.0 * RATE_HZ)
+    assert rms(heading[late:]) < 6.0
+    assert np.mean(np.abs(heading[late:]) < 3.0 * sigma[late:]) > 0.99
+    found = states[-1].navigation.estimate.hard_iron
+    assert found == pytest.approx(tuple(QUARTER * x for x in direction), abs=0.03)
+
+
+def test_sigma_tells_what_a_level_turn_does_not_show(flown):
+    """Of the iron along the axis of the turn nothing is seen, and before the first turn nothing at all."""
+    for direction in DIRECTIONS[::2]:
+        heading, sigma, _ = flown(spinning(), tuple(QUARTER * x for x in direction))
+        known = np.isfinite(sigma)
+        assert np.mean(np.abs(heading[known]) < 3.0 * sigma[known]) > 0.99
+        assert np.nanmax(sigma[TURN_BEGINS - 50 : TURN_BEGINS]) > 10.0
+
+
+def test_a_calibrated_magnetometer_keeps_its_calibration(hand, flown):
+    heading, sigma, states = flown(hand, (0.0, 0.0, 0.0))
+    assert rms(heading[TURN_BEGINS:]) < 1.5
+    assert not states[-1].navigation.iron.has_replaced
+    assert sigma[-1] < 6.0
+
+
+def test_a_vehicle_with_a_velocity_keeps_its_iron_to_itself(copter_log):
+    """In flight the velocity shows the heading, and nothing of the above applies."""
+    states = copter_log.run(last=1000)
+    assert states[-1].navigation.iron is None
