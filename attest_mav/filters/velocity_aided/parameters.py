@@ -51,7 +51,7 @@ class FlightParameters(Record):
     late when it is new, and 55 ms where a message of 50 Hz shows it first."""
     mag_delay_sigma: float = 0.03
     """s. 1-sigma of that delay at the start."""
-    declination_sigma: float = radians(1.2)
+    declination_sigma: float = 0.02
     """rad. 1-sigma of the declination at the place together with the mounting of the compass."""
     hard_iron: float = 0.010
     """gauss. 1-sigma of the magnetometer's bias that calibration leaves, per axis; 0 leaves it out of the state."""
