@@ -71,7 +71,7 @@ class FlightParameters(Record):
     """rad per root s. White noise of the gyro; in flight the larger one counts that its readings show."""
     gyro_rate_noise: float = 5e-4
     """rad per root s for each rad/s. Noise that grows with the rate: misalignment, timing."""
-    accel_noise: float = 0.045
+    accel_noise: float = 0.047
     """m/s per root s. White noise of the accelerometer; in flight the larger one counts that its readings show."""
     gyro_bias_walk: float = 2.2e-4
     """rad/s per root s. Drift of the gyro's bias. Too small and the estimate cannot follow a warming gyro; too large
@@ -94,7 +94,7 @@ class FlightParameters(Record):
     """m/s. Least noise of a fix: errors that last do not show in innovations."""
     velocity_ceiling: float = 1.0
     """m/s. Largest noise of a fix, short of the inflation to the gate."""
-    fix_jitter_s: float = 0.035
+    fix_jitter_s: float = 0.036
     """s. Jitter of a fix's time; as noise it is multiplied by the acceleration, and in the consistency test by the
     acceleration that the inertial samples may not have shown too."""
     fix_spacing_s: float = 0.19
