@@ -18,6 +18,7 @@ from attest_mav.samples import AttitudeSample, ImuSample
 from attest_mav.smoothing.noise import with_wide_priors
 from attest_mav.smoothing.readings import Recorder
 from attest_mav.smoothing.trajectory import Trajectory, smoothed_trajectory
+from attest_mav.smoothing.white_noise import with_white_noise
 from attest_mav.vehicle_reports import ParameterSample
 
 
@@ -60,7 +61,9 @@ def trajectory_of(flight: FlightToSmooth) -> Trajectory | None:
     """The smoothed attitude at each inertial sample; None where no attitude can be found to begin with."""
     recorder = recorded(flight)
     readings = recorder.recording()
-    return None if readings is None else smoothed_trajectory(readings, with_wide_priors(flight.parameters))
+    if readings is None:
+        return None
+    return smoothed_trajectory(readings, with_white_noise(with_wide_priors(flight.parameters), readings))
 
 
 def recorded(flight: FlightToSmooth) -> Recorder:
