@@ -77,7 +77,7 @@ def _iron(*starts: float) -> tuple[Edit, ...]:
     return tuple(partial(with_iron, from_s=start, to_s=start + DISTURBED_S, gauss=0.2) for start in starts)
 
 
-_HONEST: Final = {"live tilt e/s": at_most(1.3), "live heading e/s": at_most(1.7)}
+_HONEST: Final = {"live tilt e/s": at_most(1.25), "live heading e/s": at_most(1.7)}
 _PLACES: Final = (80.0, 150.0, 210.0)
 _IRON_PLACES: Final = (40.0, 130.0, 230.0)
 _OUTAGE: Final = {"smoother tilt": at_most(0.06)}
