@@ -16,7 +16,7 @@ from attest_mav.smoothing.rotations import Array
 
 BLOCK: Final = 500
 """Samples of a block."""
-ACCEL_NOISE: Final = 0.02
+ACCEL_NOISE: Final = 0.035
 """m/s per root s. Least noise of the accelerometer; the live filter's allows for what it has not seen yet."""
 
 
