@@ -13,12 +13,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from attest_mav.filters.velocity_aided.imu_memory import MAX_STEP_RATIO
 from attest_mav.filters.velocity_aided.nav_state import DEADBAND_RATE
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.prediction import (
     FAST_TURN,
     HELD_SAMPLES,
-    MAX_STEP_RATIO,
     OTHER_AXES,
     SATURATED_ACCEL,
     SATURATED_RATE,

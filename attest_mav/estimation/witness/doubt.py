@@ -14,6 +14,7 @@ FIELD_DOUBT_NS: Final = 1_400_000_000
 FIELD_CLEAR_NS: Final = 2_000_000_000
 """A residual that was absent for so long is a new one when it comes again."""
 PROBATION_FIXES: Final = 20
+"""Four seconds at 5 Hz: a wrong gyro shows in the innovations of a manoeuvre only, and two seconds may have none."""
 PROBATION_INNOVATION: Final = 0.15
 PROBATION_USUALS: Final = 4.0
 """After all gyros were found to have stepped, so many fixes in a row must be within both limits, m/s."""

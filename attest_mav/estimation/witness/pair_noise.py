@@ -1,7 +1,7 @@
-"""The noise of an inertial sensor, by how much two of them differ: vibration, turbulence and aliasing.
+"""The noise of an accelerometer that lasts for seconds, by how much two of them differ: vibration and aliasing.
 
-Two sensors on one vehicle see the same motion, so the scatter of their difference is theirs, and the mean of their
-difference over a second or two is what the scatter does not average out.
+Two sensors on one vehicle see the same motion, so the mean of their difference over a second or two is theirs. Noise
+from sample to sample is seen by the filter itself.
 """
 
 from math import sqrt
@@ -36,9 +36,7 @@ def noise_of(pair: LanePair, lane: LaneWatch, one: VelocityAided) -> SensorNoise
         norm(sub(pair.longer.difference().accel, offset)), norm(sub(pair.second_long.difference().accel, offset))
     )
     accel = MEAN_WEIGHT * min(mean, LARGEST_MEAN) * sqrt(MEAN_S / 6.0)
-    return SensorNoise(
-        max(parameters.accel_noise, accel, 0.0 if known is None else FALL * known.accel), parameters.gyro_noise
-    )
+    return SensorNoise(max(parameters.accel_noise, accel, 0.0 if known is None else FALL * known.accel))
 
 
 def follow_noise(pair: LanePair, lane: LaneWatch) -> None:
@@ -50,8 +48,3 @@ def follow_noise(pair: LanePair, lane: LaneWatch) -> None:
     noise = noise_of(pair, lane, one)
     if noise is not None and not noise.is_like(lane.noise):
         lane.noise = noise
-
-
-def _density(scatter: float, dt_s: float) -> float:
-    """Noise of one of two sensors, per root s, by the scatter of their difference over all three axes."""
-    return scatter / sqrt(3.0) * sqrt(0.5 * dt_s)

@@ -10,21 +10,15 @@ SAME: Final = 0.02
 
 
 class SensorNoise:
-    """accel: m/s per root s. gyro: rad per root s."""
+    """accel: noise of the accelerometer, m/s per root s."""
 
-    def __init__(self, accel: float, gyro: float) -> None:
+    def __init__(self, accel: float) -> None:
         self.accel: Final = accel
-        self.gyro: Final = gyro
 
     def is_like(self, other: "SensorNoise | None") -> bool:
         """True where the difference does not matter."""
-        return (
-            other is not None
-            and abs(self.accel - other.accel) <= SAME * other.accel
-            and abs(self.gyro - other.gyro) <= SAME * other.gyro
-        )
+        return other is not None and abs(self.accel - other.accel) <= SAME * other.accel
 
     def of(self, one: VelocityAided) -> VelocityAided:
         """The filter with this noise."""
-        parameters = replace(one.parameters, accel_noise=self.accel, gyro_noise=self.gyro)
-        return replace(one, parameters=parameters)
+        return replace(one, parameters=replace(one.parameters, accel_noise=self.accel))

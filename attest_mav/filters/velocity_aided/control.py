@@ -24,10 +24,11 @@ from attest_mav.filters.velocity_aided.aids.magnetometer import Magnetometer, fu
 from attest_mav.filters.velocity_aided.aids.zero_mean_velocity import fuse_zero_mean_velocity
 from attest_mav.filters.velocity_aided.aids.zero_motion import Stationary, detect, fuse_zero_motion
 from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
+from attest_mav.filters.velocity_aided.imu_memory import ImuMemory
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, body_rate
 from attest_mav.filters.velocity_aided.navigation import AidingMode, Navigation
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.filters.velocity_aided.prediction import ImuMemory, predict
+from attest_mav.filters.velocity_aided.prediction import predict
 from attest_mav.filters.velocity_aided.reading import Reading, field_of
 from attest_mav.innovation import Aid, Fusion, Innovation
 from attest_mav.samples import ImuSample, VelocitySample

@@ -12,10 +12,10 @@ from attest_mav.filters.velocity_aided.aids.gnss_velocity import GnssVelocity
 from attest_mav.filters.velocity_aided.aids.iron import IronFit
 from attest_mav.filters.velocity_aided.aids.magnetometer import Magnetometer
 from attest_mav.filters.velocity_aided.aids.zero_motion import Stationary
+from attest_mav.filters.velocity_aided.imu_memory import ImuMemory
 from attest_mav.filters.velocity_aided.measurement import Measurement
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, cross_covariance_of, update
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.filters.velocity_aided.prediction import ImuMemory
 from attest_mav.innovation import Innovation
 from attest_mav.record import Record
 

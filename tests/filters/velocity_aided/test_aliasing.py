@@ -5,8 +5,9 @@ from math import exp
 import pytest
 
 from attest_mav.filters.velocity_aided.aids.gnss_velocity import fuse_velocity
+from attest_mav.filters.velocity_aided.imu_memory import ImuMemory, initial_memory
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.filters.velocity_aided.prediction import ImuMemory, initial_memory, predict
+from attest_mav.filters.velocity_aided.prediction import predict
 from attest_mav.filters.velocity_aided.reading import Reading
 from attest_mav.samples import VelocitySample
 from attest_mav.types import G_MPS2

@@ -15,6 +15,7 @@ from mypy_extensions import mypyc_attr
 from attest_mav.algebra import clamp, dot, square, unit_axis
 from attest_mav.filters.robust import averaged_power, variance_on_gate
 from attest_mav.filters.velocity_aided.history import Lookback, look_back
+from attest_mav.filters.velocity_aided.imu_memory import ImuMemory
 from attest_mav.filters.velocity_aided.lags import fix_lag_variance, nominal_fix_lag_s
 from attest_mav.filters.velocity_aided.measurement import Measurement
 from attest_mav.filters.velocity_aided.nav_state import (
@@ -25,7 +26,6 @@ from attest_mav.filters.velocity_aided.nav_state import (
     fuse,
 )
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.filters.velocity_aided.prediction import ImuMemory
 from attest_mav.innovation import Aid, Fusion, Innovation
 from attest_mav.plausible import is_velocity
 from attest_mav.record import Record

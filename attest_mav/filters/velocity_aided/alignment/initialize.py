@@ -15,11 +15,11 @@ from attest_mav.filters.velocity_aided.aids.zero_motion import initial_stationar
 from attest_mav.filters.velocity_aided.alignment.solve import AlignmentMethod, InitialState
 from attest_mav.filters.velocity_aided.control import NO_FALLBACK
 from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock, diagonal_covariance
+from attest_mav.filters.velocity_aided.imu_memory import initial_memory
 from attest_mav.filters.velocity_aided.lags import first_lag_covariance, nominal_fix_lag_s, nominal_mag_lag_s
 from attest_mav.filters.velocity_aided.nav_state import NavigationState
 from attest_mav.filters.velocity_aided.navigation import AidingMode, Navigation
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.filters.velocity_aided.prediction import initial_memory
 from attest_mav.filters.velocity_aided.reading import Reading
 from attest_mav.matrices import diagonal
 from attest_mav.types import Vec3, VelocityOrigin
