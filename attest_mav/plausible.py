@@ -8,7 +8,7 @@ from math import isfinite
 from typing import Final
 
 from attest_mav.algebra import dot
-from attest_mav.types import Vec3
+from attest_mav.types import Mat3, Vec3
 
 MAX_RATE: Final = 1e3
 """rad/s: no gyro measures as much."""
@@ -42,6 +42,17 @@ def is_field(v: Vec3) -> bool:
 def is_velocity(v: Vec3) -> bool:
     """True when v can be a velocity, m/s."""
     return dot(v, v) < MAX_SPEED * MAX_SPEED
+
+
+def is_covariance(m: Mat3) -> bool:
+    """True when m can be the covariance of a vector: symmetric, with variances above 0 that bound the rest."""
+    for i in range(3):
+        if not (isfinite(m[i][i]) and m[i][i] > 0.0):
+            return False
+        for j in range(i):
+            if not (m[i][j] == m[j][i] and m[i][j] * m[i][j] <= m[i][i] * m[j][j]):
+                return False
+    return True
 
 
 def is_heading(angle: float) -> bool:

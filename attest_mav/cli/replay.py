@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from attest_mav.cli.calibration_file import calibration_output, read_calibrations
 from attest_mav.cli.collector import seldom_collected
 from attest_mav.cli.replay_options import (
     AUTO,
@@ -67,6 +68,19 @@ if TYPE_CHECKING:
     help="Configuration (TOML) with the parameters of filters, thresholds of the verdict and sources of the aids.",
 )
 @click.option("--set", "changes", metavar="KEY=VALUE", multiple=True, help="A value, instead of the configuration's.")
+@click.option(
+    "--calibration",
+    "calibration_path",
+    metavar="FILE",
+    help="Begin with the sensors' errors that earlier flights of the same vehicle have shown: a file of "
+    "--save-calibration, or the state file of a service.",
+)
+@click.option(
+    "--save-calibration",
+    "saved_path",
+    metavar="FILE",
+    help="Write those errors as this flight has shown them, beside those of other sensors in --calibration.",
+)
 @click.option(
     "--skip", "skip_s", default=30.0, show_default=True, metavar="SECONDS", help="Not counted: so long after alignment."
 )
@@ -137,6 +151,8 @@ def command(
     vehicle: str | None,
     config_file: str | None,
     changes: tuple[str, ...],
+    calibration_path: str | None,
+    saved_path: str | None,
     skip_s: float,
     start_s: float,
     end_s: float,
@@ -166,7 +182,8 @@ def command(
     chosen, pipeline = configured(filters, config_file, changes)
     window = window_of(start_s, end_s, skip_s)
     request = Request(chosen, imu, reference, declination_deg, window, vehicle_of(vehicle), pipeline, as_it_came)
-    request = replace(request, smooth=smoothed, smooths_beside_truth=smooths)
+    known = read_calibrations(calibration_path)
+    request = replace(request, smooth=smoothed, smooths_beside_truth=smooths, calibrations=known)
     paths = log_paths(logs)
     outputs = {
         "--csv": csv_path,
@@ -175,6 +192,7 @@ def command(
         "--report": report_path,
         "--junit": junit_path,
         "--results": results_path,
+        "--save-calibration": saved_path,
     }
     check_outputs(paths, outputs)
     is_alone = workers == 1 or len(paths) == 1
@@ -187,7 +205,8 @@ def command(
         annotated = None if tlog_path is None else stack.enter_context(atomic_write(tlog_path))
         page = None if report_path is None else stack.enter_context(report_file(report_path))
         stack.enter_context(junit_file(junit_path, showing.results))
-        replayed: Replayed = partial(replay_here, work=Work(request, written, annotated, page))
+        saved = stack.enter_context(calibration_output(saved_path, known))
+        replayed: Replayed = partial(replay_here, work=Work(request, written, annotated, page, saved))
         if scheduler is not None or not is_alone:
             from attest_mav.cli.replay_spread import opened_parts, replay_on_cluster, replay_spread  # noqa: PLC0415
 
@@ -203,6 +222,7 @@ def command(
                 f"{version_text()} {chosen} {pipeline} {imu} {reference} {declination_deg} {window} {vehicle} {smooths}"
             )
             work += " as it came" if as_it_came else ""
+            work += f" {known}" if known else ""
             results = Results(results_path, work)
             stack.enter_context(results.open())
             outcomes = resumed(paths, results, replayed)

@@ -19,8 +19,8 @@ from attest_mav.replay.request import Window
 AUTO: Final = "auto"
 ATTITUDES: Final = ("--csv", "--parquet", "--tlog", "--report")
 """The outputs that are made from every attitude of a log."""
-HERE_ALONE: Final = ("--tlog", "--report")
-"""Those of them that the process of the command makes itself."""
+HERE_ALONE: Final = ("--tlog", "--report", "--save-calibration")
+"""Outputs that the process of the command makes itself."""
 LARGEST_ID: Final = 255
 """Of a MAVLink system or component."""
 
@@ -87,6 +87,8 @@ def check_outputs(logs: Sequence[str], outputs: dict[str, str | None]) -> None:
         raise UsageError("--tlog takes one LOG: an annotated log cannot hold several")
     if outputs["--report"] is not None and len(logs) > 1:
         raise UsageError("--report takes one LOG: a page shows one flight")
+    if outputs["--save-calibration"] is not None and (len(logs) > 1 or outputs["--results"] is not None):
+        raise UsageError("--save-calibration takes one LOG, and no --results: a flight goes on from the one before")
     for option in ATTITUDES:
         if outputs[option] is not None and outputs["--results"] is not None:
             raise UsageError(f"{option} and --results: a result that is kept has no attitudes; expected one of them")

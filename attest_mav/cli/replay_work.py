@@ -6,6 +6,7 @@ from typing import IO, TYPE_CHECKING, Final
 
 import click
 
+from attest_mav.cli.calibration_file import CalibrationOutput
 from attest_mav.cli.progress import ProgressBar
 from attest_mav.errors import UnreadableDataError
 from attest_mav.replay.batch import Outcome, Report, replay_file, replay_files
@@ -27,12 +28,18 @@ class Work:
     """The work on each log of a command: with a progress bar, and with the files that are written beside the report."""
 
     def __init__(
-        self, request: Request, tables: "Tables | None", annotated: IO[bytes] | None, page: "ReportPage | None"
+        self,
+        request: Request,
+        tables: "Tables | None",
+        annotated: IO[bytes] | None,
+        page: "ReportPage | None",
+        calibration: CalibrationOutput | None,
     ) -> None:
         self.request: Final = request
         self.tables: Final = tables
         self.annotated: Final = annotated
         self.page: Final = page
+        self.calibration: Final = calibration
 
     def __call__(self, path: str) -> Report:
         """Replay one log in this process."""
@@ -40,7 +47,9 @@ class Work:
         if self.tables is not None:
             observers.append(self.tables.rows_of(path))
         with ProgressBar(path) as bar:
-            outputs = Outputs(None, self.annotated, bar.show, ObserverTee(observers) if observers else None)
+            observer = ObserverTee(observers) if observers else None
+            learned = None if self.calibration is None else self.calibration.take
+            outputs = Outputs(None, self.annotated, bar.show, observer, learned)
             report = replay_file(path, self.request, open_log, outputs)
         if self.page is not None:
             self.page.write(report)

@@ -178,6 +178,9 @@ class StateConfig(_Record, frozen=True):
 
     folder: StateFolder = ""
     """Folder of the file; empty takes systemd's, else the user's own."""
+    calibration: bool = True
+    """Whether each flight begins with the sensors' errors that earlier ones have shown; kept where systemd or
+    ``folder`` names a place."""
 
 
 class LogConfig(_Record, frozen=True):

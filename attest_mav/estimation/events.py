@@ -43,6 +43,10 @@ class LaneEventKind(IntEnum):
     """Samples come, but later than the configured time: nothing is published."""
     IN_TIME = 15
     """They come in time again."""
+    CALIBRATED = 16
+    """The filter begins with the sensor's errors by earlier flights."""
+    UNCALIBRATED = 17
+    """This flight contradicts them: they count as unknown."""
 
 
 @mypyc_attr(acyclic=True)  # as Sample

@@ -23,6 +23,8 @@ class FilterRun:
         """The last attitude put out."""
         self.aligned = False
         """Whether a filter that aligns itself had an attitude at the last step."""
+        self.is_calibrated = False
+        """Whether it went on from sensor errors of earlier flights."""
         self._as_configured = attitude_filter
 
     def set_vehicle_settings(self, known: VehicleSettings) -> None:

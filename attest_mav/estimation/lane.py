@@ -14,6 +14,7 @@ from attest_mav.estimation.stepper import Stepper
 from attest_mav.estimation.timebase import StepKind, TimeBase, TimeStep
 from attest_mav.estimation.vehicle import Vehicle
 from attest_mav.filters.base import AttitudeFilter, FilterState, Start
+from attest_mav.filters.calibration import SensorCalibration
 from attest_mav.plausible import is_force, is_rate
 from attest_mav.samples import ImuSample
 from attest_mav.types import North, Quat
@@ -51,7 +52,7 @@ class Lane:
         self._vehicle: Final = vehicle
         self._stepper: Final = Stepper() if stepper is None else stepper
         self._inputs: Final = LaneInputs(vehicle)
-        self._run: Final = FilterRun(attitude_filter)
+        self._run: Final = FilterRun(self._calibrated(attitude_filter))
         self._run.set_vehicle_settings(vehicle.settings)
         self._timebase = TimeBase(arrivals)
         self._aligner = Aligner()
@@ -111,7 +112,18 @@ class Lane:
 
     def use_filter(self, attitude_filter: AttitudeFilter) -> None:
         """Go on with other parameters of the same filter."""
-        self._run.use_filter(attitude_filter, self._vehicle.settings)
+        self._run.use_filter(self._calibrated(attitude_filter), self._vehicle.settings)
+
+    def _calibrated(self, attitude_filter: AttitudeFilter) -> AttitudeFilter:
+        """The filter with the errors of this sensor by earlier flights, where they are known."""
+        known = self._vehicle.calibrations.get(self.source)
+        return attitude_filter if known is None else attitude_filter.with_calibration(known)
+
+    @property
+    def learned(self) -> SensorCalibration | None:
+        """The errors of the sensor as the filter knows them; None where it knows none."""
+        run, state = self._run, self._run.state
+        return None if state is None else run.filter.learned(state)
 
     def handle(self, sample: ImuSample) -> list[Event]:
         """Take the next sample of this source."""
@@ -231,6 +243,17 @@ class Lane:
             text = "has found its attitude" if state.aligned else "has lost its attitude: aligning again"
             self._tell(events, kind, sample, f"{run.filter.name} {text}")
         run.aligned = state.aligned
+        if state.aligned and state.is_calibrated != run.is_calibrated:
+            run.is_calibrated = state.is_calibrated
+            self._tell_calibration(run, sample, events)
+
+    def _tell_calibration(self, run: FilterRun, sample: ImuSample, events: list[Event]) -> None:
+        if run.is_calibrated:
+            text = "begins with the accelerometer bias and hard iron of earlier flights"
+            self._tell(events, LaneEventKind.CALIBRATED, sample, text)
+        else:
+            text = "contradicts the accelerometer bias or hard iron of earlier flights: both count as unknown"
+            self._tell(events, LaneEventKind.UNCALIBRATED, sample, text)
 
     def _judge_heading(self, run: FilterRun, state: FilterState, sample: ImuSample, events: list[Event]) -> None:
         """Keep ``run.north`` true: lost after a time without field, found when field and heading agree."""

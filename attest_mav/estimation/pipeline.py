@@ -22,6 +22,7 @@ from attest_mav.estimation.vehicle import AidSettings, Vehicle
 from attest_mav.estimation.verdict import VerdictSettings
 from attest_mav.estimation.witness.witness import Witness
 from attest_mav.filters.base import AttitudeFilter
+from attest_mav.filters.calibration import SensorCalibration
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.samples import AttitudeSample, ImuSample, Sample
 from attest_mav.types import AttitudeRole, EarthField
@@ -129,6 +130,14 @@ class Pipeline:
     def primary(self) -> str:
         """Name of the primary lane's stream, "" before one is known."""
         return self._sources[0] if self._sources else ""
+
+    @property
+    def learned(self) -> dict[str, SensorCalibration]:
+        """The lasting errors of the sensors in good standing, by the name of the lane; none while there is a doubt."""
+        if not self.publishes:
+            return {}
+        known = {name: lane.learned for name, lane in self.lanes.items() if not self.fault_of(name)}
+        return {name: one for name, one in known.items() if one is not None}
 
     def set_field(self, field: EarthField) -> None:
         """From now on this is the field where the vehicle is: with its declination headings refer to true north."""

@@ -14,6 +14,7 @@ from attest_mav.algebra import is_finite_number, norm, rotate_back
 from attest_mav.estimation.clock_offset import ClockOffset
 from attest_mav.estimation.self_report import SelfReport
 from attest_mav.filters.base import Airspeed, BodyVelocity
+from attest_mav.filters.calibration import SensorCalibration
 from attest_mav.samples import AirDataSample, PositionSample, Sample, VelocitySample
 from attest_mav.types import EarthField, North, Quat, VehicleKind, VelocityOrigin, Version
 from attest_mav.vehicle_reports import EstimatorSample, FirmwareSample, HeartbeatSample, LandedSample, ParameterSample
@@ -71,6 +72,8 @@ class Vehicle:
         """The Earth's field where the vehicle is."""
         self.settings = VehicleSettings()
         """The autopilot's settings as far as they are known."""
+        self.calibrations: dict[str, SensorCalibration] = {}
+        """Errors of its inertial sensors by earlier flights, by the name of the sensor's message."""
         self.kind = VehicleKind.UNKNOWN
         self.vehicle_type = -1
         """MAV_TYPE, -1 before the first heartbeat."""

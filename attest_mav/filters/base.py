@@ -10,6 +10,7 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
+from attest_mav.filters.calibration import SensorCalibration
 from attest_mav.innovation import Innovation
 from attest_mav.record import Record
 from attest_mav.samples import ImuSample, VelocitySample
@@ -173,6 +174,11 @@ class FilterState(Record):
         return None
 
     @property
+    def is_calibrated(self) -> bool:
+        """True while it goes on from the sensor errors of earlier flights."""
+        return False
+
+    @property
     def sigma_is_proven(self) -> bool:
         """True while the sigmas cover the errors in flight too, so that a verdict may go by them."""
         return False
@@ -219,6 +225,14 @@ class AttitudeFilter(Record):
     def with_vehicle_settings(self, known: VehicleSettings) -> "AttitudeFilter":
         """The filter with the known settings in place of its defaults; states of the one go on in the other."""
         return self
+
+    def with_calibration(self, known: SensorCalibration) -> "AttitudeFilter":
+        """The filter that begins with these errors of its sensor; one that has no use for them as it is."""
+        return self
+
+    def learned(self, state: FilterState) -> SensorCalibration | None:
+        """The errors of the sensor as its flight has shown them, None where it has shown none."""
+        return None
 
     @abstractmethod
     def initial(self, start: Start) -> FilterState:

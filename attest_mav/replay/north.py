@@ -40,6 +40,12 @@ def north_of(vehicle: VehicleSummary, given_deg: float | None) -> LocalNorth:
     return _told_by_autopilot(vehicle)
 
 
+def date_of(vehicle: VehicleSummary) -> FlightDate | None:
+    """The date of the flight, None where the log does not tell it."""
+    position = vehicle.position
+    return vehicle.date or (None if position is None else FlightDate(position.rx_ns * 1e-9))
+
+
 def _field_at(vehicle: VehicleSummary, position: PositionSample) -> LocalField:
     """The field of the simulator's world, or of this one on the day of the flight."""
     place = (position.latitude_deg, position.longitude_deg)

@@ -4,9 +4,10 @@ A request can be pickled for another process. Pickle cannot restore a frozen dat
 the fields one by one; so filters and window are pickled as a call of their class (``_AsCall``).
 """
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
 from math import inf
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from attest_mav.estimation.pipeline import PipelineSettings
 from attest_mav.filters.base import AttitudeFilter
@@ -15,6 +16,9 @@ from attest_mav.replay.comparison import ComparisonSink
 from attest_mav.replay.observer import FlightObserver
 from attest_mav.replay.plan import VehicleChoice
 from attest_mav.replay.smoothed import Smooth
+
+if TYPE_CHECKING:
+    from attest_mav.config.calibration import KeptCalibration, KeptCalibrations
 
 
 class _AsCall:
@@ -69,6 +73,8 @@ class Request:
     """The smoother, a function of a module so that pickle takes it; None to do without."""
     smooths_beside_truth: bool = False
     """Whether the smoothed attitude is compared too where the reference is another."""
+    calibrations: "Mapping[str, KeptCalibration]" = field(default_factory=dict)
+    """Errors of sensors by earlier flights, which the filters begin with; see ``config.calibration``."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         """The call that makes the request again, for pickle."""
@@ -84,6 +90,7 @@ class Request:
             self.as_it_came,
             self.smooth,
             self.smooths_beside_truth,
+            self.calibrations,
         )
 
 
@@ -96,6 +103,7 @@ class Outputs:
         annotated: ByteSink | None = None,
         progress: Progress | None = None,
         observer: FlightObserver | None = None,
+        learned: "Callable[[KeptCalibrations], None] | None" = None,
     ) -> None:
         self.attitudes: Final = attitudes
         """Receives every attitude with its errors."""
@@ -105,3 +113,5 @@ class Outputs:
         """Is told the share of the work done, 0 to 1, once a stretch of the log."""
         self.observer: Final = observer
         """Sees the flight as it is replayed."""
+        self.learned: Final = learned
+        """Receives the errors of the sensors that the flight has shown, in the end."""

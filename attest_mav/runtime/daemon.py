@@ -21,7 +21,7 @@ from attest_mav.runtime.links.served import ServedLink
 from attest_mav.runtime.loop import Loop, Timer
 from attest_mav.runtime.notify import Notifier
 from attest_mav.runtime.reporter import Reporter
-from attest_mav.runtime.state_keeper import StateKeeper, state_path
+from attest_mav.runtime.state_keeper import StateKeeper, is_named, state_path
 from attest_mav.service.assembly import service_settings
 from attest_mav.service.field_lookup import FieldFinder
 from attest_mav.service.service import Service
@@ -110,7 +110,8 @@ class Daemon:
 
     def _state_keeper(self, config: Config, now_ns: int) -> StateKeeper | None:
         """The keeper of the state on disk, None where nothing must be kept."""
-        if not config.keeps_state:
+        learns = config.state.calibration and is_named(config.state.folder, os.environ)
+        if not (config.keeps_state or learns):
             return None
         keeper = StateKeeper(self.service.persistence, state_path(config.state.folder, os.environ), now_ns)
         self.loop.add(keeper)

@@ -1,4 +1,4 @@
-"""Keeps the state on disk: the time of our signatures, and the parameters that stations have set."""
+"""Keeps the state on disk: the time of our signatures, parameters that stations have set, and sensors' errors."""
 
 import logging
 import os
@@ -32,6 +32,11 @@ def state_path(folder: str, environment: Mapping[str, str]) -> Path:
         return Path(given) / FILE_NAME
     home = environment.get("XDG_STATE_HOME", "") or str(Path.home() / ".local" / "state")
     return Path(home) / "attest-mav" / FILE_NAME
+
+
+def is_named(folder: str, environment: Mapping[str, str]) -> bool:
+    """Whether the configuration or systemd names a folder for the state."""
+    return bool(folder or environment.get("STATE_DIRECTORY"))
 
 
 class StateKeeper(Handler):
@@ -104,7 +109,10 @@ class StateKeeper(Handler):
 
     def _fail(self, complaint: str) -> None:
         if not self._is_failing:
-            log.warning("%s; a restart would lose parameters that were set, and the time of signatures", complaint)
+            log.warning(
+                "%s; a restart would lose parameters that were set, the time of signatures, and the sensors' errors",
+                complaint,
+            )
         self._is_failing = True
 
     def _begin(self) -> None:

@@ -42,6 +42,7 @@ def service_settings(config: Config, keys: Mapping[str, bytes] | None = None) ->
         pipeline=pipeline_settings(config),
         attitude_filter=config.filter.build(),
         declination=nan if declination_deg == "auto" else radians(declination_deg),
+        learns=config.state.calibration,
     )
 
 

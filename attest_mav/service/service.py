@@ -23,6 +23,7 @@ from attest_mav.mavlink.signing.links import LinkSigning
 from attest_mav.samples import ImuSample, PositionSample, Sample
 from attest_mav.service.announcements import Announcements
 from attest_mav.service.assembly import retuned
+from attest_mav.service.calibration_store import CalibrationStore
 from attest_mav.service.field_lookup import FieldFinder, FieldLookup
 from attest_mav.service.kept_state import Persistence
 from attest_mav.service.link_input import LinkInput
@@ -79,7 +80,8 @@ class Service:
         for port, signer in zip(self._companion.ports, self._signing.signers, strict=True):
             if signer is not None:
                 port.sign_with(signer.sign)
-        self.persistence: Final = Persistence(self._signing.clock, self._companion.own_parameters)
+        self._calibrations: Final = CalibrationStore(settings.learns)
+        self.persistence: Final = Persistence(self._signing.clock, self._companion.own_parameters, self._calibrations)
         """The state that survives a restart; restored before the first bytes come."""
         self._inputs: Final = [
             LinkInput(dialect, self._companion.wanted, None if verifier is None else verifier.accepts)
@@ -155,6 +157,7 @@ class Service:
             self._source_notes.frames(self._frame_notes)
             self._attitude.verdicts.settle(now_ns)
             self._measure_loss(now_ns)
+            self._learn()
         self._companion.state = self._state(now_ns)
         self._companion.poll(now_ns)
         self.due_ns = min(self._companion.next_deadline_ns, self._next_refusals_ns)
@@ -267,6 +270,7 @@ class Service:
         """The work on another vehicle, of which these settings and this field of the Earth are known."""
         vehicle = Vehicle(self._settings.pipeline.aids)
         vehicle.settings, vehicle.field = settings, field
+        vehicle.calibrations = self._calibrations.of_vehicle(self._sender[0])
         return VehicleAttitude(
             self._companion, self._announcements, self._settings.pipeline, self._settings.attitude_filter, vehicle
         )
@@ -281,6 +285,11 @@ class Service:
         self._attitude.use(settings)
         for port in self._companion.ports:
             port.set_rate(parameters.value(RATE.name))
+
+    def _learn(self) -> None:
+        """Keep what the flight has shown of the sensors' errors."""
+        if self._pipeline is not None:
+            self._calibrations.take(self._sender[0], self._pipeline.learned)
 
     def _measure_loss(self, now_ns: int) -> None:
         """Tell the companion what the vehicle's link loses."""

@@ -25,3 +25,5 @@ class ServiceSettings:
     """The filter that is published."""
     declination: float
     """rad, east positive; NaN: looked up at the vehicle's position."""
+    learns: bool = True
+    """Whether the sensors' errors of earlier flights are used, and those of this one kept."""

@@ -165,7 +165,8 @@ def on_another_sensor(
         nav.covariance,
     )
     variance = (bias_variance, bias_variance, bias_variance)
-    return _with_estimate(one, state, moved.with_added_variance(ErrorBlock.GYRO_BIAS, variance))
+    moved = moved.with_added_variance(ErrorBlock.GYRO_BIAS, variance)
+    return one.with_estimate(cast("VelocityAidedState", state), moved, is_same_sensor=False)
 
 
 def _with_estimate(one: VelocityAided, state: FilterState, estimate: NavigationState) -> FilterState:

@@ -23,6 +23,7 @@ from attest_mav.filters.velocity_aided.aids.iron import IronFit, watch_iron
 from attest_mav.filters.velocity_aided.aids.magnetometer import Magnetometer, fuse_magnetometer, reading_is_due
 from attest_mav.filters.velocity_aided.aids.zero_mean_velocity import fuse_zero_mean_velocity
 from attest_mav.filters.velocity_aided.aids.zero_motion import Stationary, detect, fuse_zero_motion
+from attest_mav.filters.velocity_aided.calibration import is_refuted, without
 from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
 from attest_mav.filters.velocity_aided.imu_memory import ImuMemory
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, body_rate
@@ -72,6 +73,9 @@ def navigate(
         nav, fallback = _fuse_fallback(nav, before, mode, imu, inputs, dt_s, parameters)
     in_place = gnss.last is None and inputs.zero_mean_velocity
     nav, magnetometer, iron = _fuse_field(nav, before, reading, sample, dt_s, in_place, parameters)
+    begun_with = before.begun_with
+    if begun_with is not None and gnss.since_fused_s == 0.0 and is_refuted(nav, begun_with):
+        nav, begun_with = without(nav, parameters), None
     return Navigation(
         nav,
         imu.with_attitude(nav),
@@ -83,6 +87,7 @@ def navigate(
         fallback,
         before.declination,
         mode,
+        begun_with,
         has_stepped=True,
     )
 

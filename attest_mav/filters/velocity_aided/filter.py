@@ -17,12 +17,12 @@ from typing import Final, cast
 
 from attest_mav.algebra import add, clamp, hypotenuse, norm, q_continuous, q_exp, q_mul, rotate, scale, square, sub
 from attest_mav.filters.base import AttitudeFilter, FilterInputs, FilterState, Start
+from attest_mav.filters.calibration import SensorCalibration
 from attest_mav.filters.velocity_aided.aids.field import FieldResidual, field_residual
 from attest_mav.filters.velocity_aided.alignment.collect import Alignment, accumulate, new_alignment
 from attest_mav.filters.velocity_aided.alignment.initialize import first_navigation, restarted_navigation
-from attest_mav.filters.velocity_aided.alignment.solve import (
-    solve_alignment,
-)
+from attest_mav.filters.velocity_aided.alignment.solve import solve_alignment
+from attest_mav.filters.velocity_aided.calibration import learned
 from attest_mav.filters.velocity_aided.control import navigate
 from attest_mav.filters.velocity_aided.lags import low_pass_delay
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, body_rate
@@ -58,6 +58,8 @@ class VelocityAided(AttitudeFilter):
     """Whether the autopilot may tell a better ``low_pass_hz``."""
     fix_delay_from_vehicle: bool = True
     """Whether the autopilot may tell a better ``fix_delay_s``."""
+    calibration: SensorCalibration | None = None
+    """Errors of the sensor by earlier flights, None where they are not known."""
 
     @property
     def name(self) -> str:
@@ -99,7 +101,18 @@ class VelocityAided(AttitudeFilter):
             fix_delay_s=known.fix_delay_s if fix_delay else parameters.fix_delay_s,
             mag_delay_s=known.get_or(Setting.FIELD_DELAY_S, mag_delay_s) if is_usual else mag_delay_s,
         )
-        return VelocityAided(informed, self.low_pass_from_vehicle, self.fix_delay_from_vehicle)
+        return replace(self, parameters=informed)
+
+    def with_calibration(self, known: SensorCalibration) -> "VelocityAided":
+        """The filter that begins with these errors of its sensor."""
+        return replace(self, calibration=known)
+
+    def learned(self, state: FilterState) -> SensorCalibration | None:
+        """The errors of the sensor as the flight has shown them; None while the filter aligns, and before that."""
+        navigation = cast("VelocityAidedState", state).navigation
+        if navigation is None or not state.aligned:
+            return None
+        return learned(navigation.estimate, navigation.begun_with, self.parameters)
 
     def valid(self, state: FilterState) -> bool:
         """True while the tilt is known well enough to judge others by it."""
@@ -136,12 +149,18 @@ class VelocityAided(AttitudeFilter):
             return _aligning_state(before.q_nb, nav.gyro_bias, start, navigation, 0.0, contradicted, sigma)
         return self._navigating(navigation, before.q_nb, reset_sigma_decay(navigation, dt_s) * before.reset_sigma)
 
-    def with_estimate(self, state: VelocityAidedState, estimate: NavigationState) -> VelocityAidedState:
-        """An aligned state with another estimate in it, as a hypothesis about the past is run again from."""
+    def with_estimate(
+        self, state: VelocityAidedState, estimate: NavigationState, is_same_sensor: bool = True
+    ) -> VelocityAidedState:
+        """An aligned state with another estimate in it, as a hypothesis about the past is run again from.
+
+        is_same_sensor: whether it is of the sensor that the state is of.
+        """
         navigation = state.navigation
         if navigation is None or state.alignment is not None:
             return state
-        return self._navigating(navigation.with_estimate(estimate), state.q_nb, state.reset_sigma)
+        changed = navigation.with_estimate(estimate, is_same_sensor)
+        return self._navigating(changed, state.q_nb, state.reset_sigma)
 
     def field_residual(self, state: VelocityAidedState, sample: ImuSample, reference: Vec3) -> FieldResidual | None:
         """The whole residual of the sample's magnetic field, for the state after that sample.
@@ -179,8 +198,8 @@ class VelocityAided(AttitudeFilter):
             sigma = before.reset_sigma
             return _aligning_state(q_nb, before.gyro_bias, alignment, navigation, gap_s, by_innovations, sigma)
         if navigation is None:
-            bias = before.gyro_bias
-            begun = first_navigation(initial, reading, sample.t_ns, bias, inputs.declination, parameters)
+            bias, known = before.gyro_bias, self.calibration
+            begun = first_navigation(initial, reading, sample.t_ns, bias, inputs.declination, parameters, known)
         else:
             begun = restarted_navigation(initial, navigation, reading, sample.t_ns, gap_s, parameters)
         earlier = navigation.estimate if navigation is not None and by_innovations else None

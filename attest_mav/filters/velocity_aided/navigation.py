@@ -6,6 +6,7 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import is_finite_number
+from attest_mav.filters.calibration import SensorCalibration
 from attest_mav.filters.velocity_aided.aids.airspeed import Wind
 from attest_mav.filters.velocity_aided.aids.fallback import Fallback
 from attest_mav.filters.velocity_aided.aids.gnss_velocity import GnssVelocity
@@ -53,6 +54,7 @@ class Navigation(Record):
         fallback: Fallback,
         declination: float | None,
         mode: AidingMode,
+        begun_with: SensorCalibration | None,
         has_stepped: bool,
     ) -> None:
         self.estimate: Final = estimate
@@ -75,6 +77,8 @@ class Navigation(Record):
         """Assumed declination, rad; None while it is not known, and headings are magnetic."""
         self.mode: Final = mode
         """Which aid holds the attitude."""
+        self.begun_with: Final = begun_with
+        """Sensor errors of earlier flights at the start; None where there were none, and once they are refuted."""
         self.has_stepped: Final = has_stepped
         """False at the start, whose memory still describes the time before a gap."""
 
@@ -99,9 +103,10 @@ class Navigation(Record):
             records = (*records, fallback)
         return records if magnetometer is None else (*records, magnetometer)
 
-    def with_estimate(self, estimate: NavigationState) -> "Navigation":
-        """The same memories with another estimate, as a hypothesis about the past needs it."""
-        return self._with(estimate, self.imu.with_attitude(estimate), self.declination)
+    def with_estimate(self, estimate: NavigationState, is_same_sensor: bool = True) -> "Navigation":
+        """The same memories with another estimate, as a hypothesis about the past needs it, or another sensor."""
+        begun_with = self.begun_with if is_same_sensor else None
+        return self._with(estimate, self.imu.with_attitude(estimate), self.declination, begun_with)
 
     def with_declination(self, declination: float, parameters: FlightParameters) -> "Navigation":
         """The navigation with this assumed declination, rad; the same one if it is not known or no news."""
@@ -109,9 +114,15 @@ class Navigation(Record):
             return self
         change = declination - self.assumed_declination
         estimate = _with_declination(self.estimate, change, self.declination is None, parameters)
-        return self._with(estimate, self.imu, declination)
+        return self._with(estimate, self.imu, declination, self.begun_with)
 
-    def _with(self, estimate: NavigationState, imu: ImuMemory, declination: float | None) -> "Navigation":
+    def _with(
+        self,
+        estimate: NavigationState,
+        imu: ImuMemory,
+        declination: float | None,
+        begun_with: SensorCalibration | None,
+    ) -> "Navigation":
         return Navigation(
             estimate,
             imu,
@@ -123,6 +134,7 @@ class Navigation(Record):
             self.fallback,
             declination,
             self.mode,
+            begun_with,
             self.has_stepped,
         )
 

@@ -66,6 +66,11 @@ class VelocityAidedState(FilterState):
         return None if self.navigation is None else self.navigation.estimate.accel_bias
 
     @property
+    def is_calibrated(self) -> bool:
+        """True while it goes on from the sensor errors of earlier flights."""
+        return self.navigation is not None and self.navigation.begun_with is not None
+
+    @property
     def sigma_is_proven(self) -> bool:
         """True once there is an attitude: its covariance holds with every aid, and counts the cost of a reset."""
         return self.aligned

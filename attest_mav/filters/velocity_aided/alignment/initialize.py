@@ -7,12 +7,14 @@ chapter 3; which errors survive a reset is the choice of this filter: all of the
 from math import isfinite
 from typing import Final
 
+from attest_mav.filters.calibration import SensorCalibration
 from attest_mav.filters.velocity_aided.aids.airspeed import unknown_wind
 from attest_mav.filters.velocity_aided.aids.fallback import Fallback
 from attest_mav.filters.velocity_aided.aids.gnss_velocity import initial_gnss_velocity
 from attest_mav.filters.velocity_aided.aids.magnetometer import initial_magnetometer
 from attest_mav.filters.velocity_aided.aids.zero_motion import initial_stationary
 from attest_mav.filters.velocity_aided.alignment.solve import AlignmentMethod, InitialState
+from attest_mav.filters.velocity_aided.calibration import at_start, unknown
 from attest_mav.filters.velocity_aided.control import NO_FALLBACK
 from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock, diagonal_covariance
 from attest_mav.filters.velocity_aided.imu_memory import initial_memory
@@ -35,13 +37,16 @@ def first_navigation(
     bias: Vec3,
     declination: float,
     parameters: FlightParameters,
+    calibration: SensorCalibration | None,
 ) -> Navigation:
     """The first navigation, at the reading of ``t_ns``.
 
-    bias: of the gyro, as far as it is known, rad/s. declination: rad, NaN when it is not known.
+    bias: of the gyro, as far as it is known, rad/s. declination: rad, NaN when it is not known. calibration: sensor
+    errors by earlier flights.
     """
     declination_known = isfinite(declination)
-    nav = _first_state(initial, bias, declination_known, parameters)
+    begun_with = None if calibration is None else at_start(calibration, parameters)
+    nav = _first_state(initial, bias, declination_known, parameters, begun_with)
     return Navigation(
         estimate=nav,
         imu=initial_memory(nav, reading, t_ns),
@@ -53,6 +58,7 @@ def first_navigation(
         fallback=NO_FALLBACK,
         declination=declination if declination_known else None,
         mode=AidingMode.COASTING,
+        begun_with=begun_with,
         has_stepped=False,
     )
 
@@ -84,23 +90,29 @@ def restarted_navigation(
         fallback=Fallback(before.fallback.since_update_s, None),
         declination=before.declination,
         mode=AidingMode.COASTING,
+        begun_with=before.begun_with,
         has_stepped=False,
     )
 
 
 def _first_state(
-    initial: InitialState, bias: Vec3, declination_known: bool, parameters: FlightParameters
+    initial: InitialState,
+    bias: Vec3,
+    declination_known: bool,
+    parameters: FlightParameters,
+    begun_with: SensorCalibration | None,
 ) -> NavigationState:
     """The state of a first start. bias: of the gyro, rad/s."""
     declination_sigma = parameters.declination_sigma if declination_known else UNKNOWN_DECLINATION
     zero: Vec3 = (0.0, 0.0, 0.0)
+    known = unknown(parameters) if begun_with is None else begun_with
     return NavigationState(
         q_nb=initial.q_nb,
         velocity=initial.velocity,
         gyro_bias=bias,
         gyro_scale=zero,
-        accel_bias=zero,
-        hard_iron=zero,
+        accel_bias=known.accel_bias.mean,
+        hard_iron=known.hard_iron.mean,
         mag_lag_s=nominal_mag_lag_s(parameters),
         fix_lag_s=nominal_fix_lag_s(VelocityOrigin.RECEIVER, parameters),
         declination_error=0.0,
@@ -110,8 +122,8 @@ def _first_state(
                 diagonal(initial.velocity_sigma**2),
                 diagonal(parameters.gyro_bias_sigma**2),
                 diagonal(parameters.gyro_scale_sigma**2),
-                diagonal(parameters.accel_bias_sigma**2),
-                diagonal(parameters.hard_iron**2),
+                known.accel_bias.covariance,
+                known.hard_iron.covariance,
                 first_lag_covariance(declination_sigma, parameters),
             ]
         ),

@@ -1,0 +1,112 @@
+"""Sensor errors of earlier flights: the start of the state from them, and their refutation.
+
+An error wanders from flight to flight as a Gauss-Markov process between what was learned and what is known of any
+sensor: with the share c of the variance that is kept, x = sqrt(c) x_l + (1 - sqrt(c)) x_0 and P = c P_l + (1 - c) P_0.
+(Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., sections 3.2.2 and
+4.4.1.)
+
+A sensor that was calibrated or replaced since then has other errors. Where a Kalman filter is right, an estimate moves
+from x_0 with the variance P_0 - P; one that has moved by more than four such sigmas refutes what was learned, and the
+filter goes on as if nothing had been.
+"""
+
+from math import exp, sqrt
+from typing import Final
+
+from attest_mav.algebra import square
+from attest_mav.filters.calibration import SensorCalibration, UncertainVector
+from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
+from attest_mav.filters.velocity_aided.nav_state import NavigationState
+from attest_mav.filters.velocity_aided.parameters import FlightParameters
+from attest_mav.matrices import diagonal, trace
+from attest_mav.types import Mat3, Vec3
+
+KEPT_AT_START: Final = 0.9
+"""Share of the variance that outlasts a start: another temperature, load and place of cables. An accelerometer is then
+known to 4 mg, and the iron to 3 mG."""
+MEMORY_S: Final = 180 * 86400.0
+"""Time constant with which that share falls, s."""
+LEARNED: Final = 0.5
+"""A flight has shown the errors when the variance of the accelerometer's bias has fallen to this share."""
+REFUTING_SIGMAS: Final = 4.0
+HORIZONTAL_FIELD: Final = 0.2
+"""gauss: of the Earth, about; relates hard iron to heading."""
+
+
+def learned(
+    nav: NavigationState, begun_with: SensorCalibration | None, parameters: FlightParameters
+) -> SensorCalibration | None:
+    """The lasting errors as this state knows them; None before its flight has shown them.
+
+    begun_with: the errors that it began with, None for those of any sensor. A session without a manoeuvre shows none,
+    and must not take the place of an earlier flight.
+    """
+    before = unknown(parameters) if begun_with is None else begun_with
+    if not trace(nav.covariance.aa) < LEARNED * trace(before.accel_bias.covariance):
+        return None
+    return SensorCalibration(
+        UncertainVector(nav.accel_bias, nav.covariance.aa), UncertainVector(nav.hard_iron, nav.covariance.mm)
+    )
+
+
+def unknown(parameters: FlightParameters) -> SensorCalibration:
+    """The errors of any sensor: zero, with the sigmas that the parameters have for it."""
+    return SensorCalibration(_any_sensor(parameters.accel_bias_sigma), _any_sensor(parameters.hard_iron))
+
+
+def at_start(known: SensorCalibration, parameters: FlightParameters) -> SensorCalibration:
+    """The same errors at the start of another flight, as far as the parameters let them be estimated."""
+    share = KEPT_AT_START * exp(-known.age_s / MEMORY_S)
+    return SensorCalibration(
+        _wandered(known.accel_bias, share, parameters.accel_bias_sigma),
+        _wandered(known.hard_iron, share, parameters.hard_iron),
+    )
+
+
+def is_refuted(nav: NavigationState, begun: SensorCalibration) -> bool:
+    """Whether the state contradicts the errors that it began with."""
+    p = nav.covariance
+    return _has_left(nav.accel_bias, p.aa, begun.accel_bias) or _has_left(nav.hard_iron, p.mm, begun.hard_iron)
+
+
+def without(nav: NavigationState, parameters: FlightParameters) -> NavigationState:
+    """The state as uncertain as if no earlier flight had told of the sensor; its estimates stay where they are."""
+    accel, iron = square(parameters.accel_bias_sigma), square(parameters.hard_iron)
+    tilt, heading = accel / square(parameters.gravity), iron / square(HORIZONTAL_FIELD)
+    return (
+        nav.with_added_variance(ErrorBlock.ACCEL_BIAS, (accel, accel, accel))
+        .with_added_variance(ErrorBlock.HARD_IRON, (iron, iron, iron))
+        .with_added_variance(ErrorBlock.ATTITUDE, (tilt, tilt, heading))
+    )
+
+
+def _any_sensor(sigma: float) -> UncertainVector:
+    return UncertainVector((0.0, 0.0, 0.0), diagonal(square(sigma)))
+
+
+def _wandered(known: UncertainVector, share: float, unknown_sigma: float) -> UncertainVector:
+    """An error after the time between two flights; one that is not estimated (sigma 0) is zero."""
+    if unknown_sigma == 0.0:
+        return _any_sensor(0.0)
+    factor, lost = sqrt(share), (1.0 - share) * square(unknown_sigma)
+    x, y, z = known.mean
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = known.covariance
+    covariance: Mat3 = (
+        (share * xx + lost, share * xy, share * xz),
+        (share * xy, share * yy + lost, share * yz),
+        (share * xz, share * yz, share * zz + lost),
+    )
+    return UncertainVector((factor * x, factor * y, factor * z), covariance)
+
+
+def _has_left(now: Vec3, covariance: Mat3, begun: UncertainVector) -> bool:
+    """Whether an estimate has moved further from its beginning than chance and its own sigma then explain."""
+    return any(
+        _moved_too_far(now[axis] - begun.mean[axis], begun.covariance[axis][axis], covariance[axis][axis])
+        for axis in range(3)
+    )
+
+
+def _moved_too_far(change: float, before: float, after: float) -> bool:
+    """before, after: variances."""
+    return square(change) > max(before, square(REFUTING_SIGMAS) * (before - after))
