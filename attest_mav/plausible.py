@@ -45,9 +45,9 @@ def is_velocity(v: Vec3) -> bool:
 
 
 def is_covariance(m: Mat3) -> bool:
-    """True when m can be the covariance of a vector: symmetric, with variances above 0 that bound the rest."""
+    """True when m can be the covariance of a vector: symmetric, no negative variance, no correlation above 1."""
     for i in range(3):
-        if not (isfinite(m[i][i]) and m[i][i] > 0.0):
+        if not (isfinite(m[i][i]) and m[i][i] >= 0.0):
             return False
         for j in range(i):
             if not (m[i][j] == m[j][i] and m[i][j] * m[i][j] <= m[i][i] * m[j][j]):

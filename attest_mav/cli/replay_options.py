@@ -19,6 +19,12 @@ from attest_mav.replay.request import Window
 AUTO: Final = "auto"
 ATTITUDES: Final = ("--csv", "--parquet", "--tlog", "--report")
 """The outputs that are made from every attitude of a log."""
+ONE_LOG: Final = {
+    "--tlog": "an annotated log cannot hold several",
+    "--report": "a page shows one flight",
+    "--save-calibration": "the errors of the sensors are those at the end of a flight",
+}
+"""Outputs that are made of a single log, with the reason."""
 HERE_ALONE: Final = ("--tlog", "--report", "--save-calibration")
 """Outputs that the process of the command makes itself."""
 LARGEST_ID: Final = 255
@@ -83,15 +89,12 @@ def check_declination(declination_deg: float | None) -> None:
 
 def check_outputs(logs: Sequence[str], outputs: dict[str, str | None]) -> None:
     """Refuse outputs (paths by option) that would replace an input or each other."""
-    if outputs["--tlog"] is not None and len(logs) > 1:
-        raise UsageError("--tlog takes one LOG: an annotated log cannot hold several")
-    if outputs["--report"] is not None and len(logs) > 1:
-        raise UsageError("--report takes one LOG: a page shows one flight")
-    if outputs["--save-calibration"] is not None and (len(logs) > 1 or outputs["--results"] is not None):
-        raise UsageError("--save-calibration takes one LOG, and no --results: a flight goes on from the one before")
-    for option in ATTITUDES:
+    for option, reason in ONE_LOG.items():
+        if outputs[option] is not None and len(logs) > 1:
+            raise UsageError(f"{option} takes one LOG: {reason}")
+    for option in (*ATTITUDES, "--save-calibration"):
         if outputs[option] is not None and outputs["--results"] is not None:
-            raise UsageError(f"{option} and --results: a result that is kept has no attitudes; expected one of them")
+            raise UsageError(f"{option} and --results: a result that is kept is figures alone; expected one of them")
     paths = {option: Path(path) for option, path in outputs.items() if path is not None}
     for option, output in paths.items():
         for name in logs:

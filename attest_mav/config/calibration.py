@@ -28,7 +28,7 @@ class KeptVector(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     def __post_init__(self) -> None:
         """Refuse a matrix that is no covariance."""
         if not is_covariance(self.covariance):
-            raise ValueError("expected a covariance: symmetric, with variances above 0")
+            raise ValueError("expected a covariance: symmetric, no negative variance")
 
 
 class KeptCalibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -6,7 +6,7 @@ Nothing grows with the log but the columns of errors and of intervals.
 """
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from attest_mav.earth_field import LocalField
 from attest_mav.errors import UnreadableDataError, UsageError
@@ -23,8 +23,9 @@ from attest_mav.logs.source import (
     VehicleSummary,
 )
 from attest_mav.record import Record
+from attest_mav.replay.calibrating import calibrate, learned
 from attest_mav.replay.flight import Flight
-from attest_mav.replay.north import date_of, north_of
+from attest_mav.replay.north import north_of
 from attest_mav.replay.notes import all_notes, choice_notes
 from attest_mav.replay.plan import make_plan, suitable_filter
 from attest_mav.replay.request import Outputs, Request
@@ -32,9 +33,6 @@ from attest_mav.replay.smoothed import FlightToSmooth, SmoothedFlight, samples_o
 from attest_mav.samples import Sample
 from attest_mav.types import EarthField
 from attest_mav.vehicle_settings import VehicleSettings
-
-if TYPE_CHECKING:
-    from attest_mav.config.calibration import KeptCalibrations
 
 SUMMARY_SHARE: Final = 0.2
 """Approximate share of the first pass in the time of a replay, for the progress."""
@@ -96,8 +94,7 @@ def replay(source: LogSource, request: Request, outputs: Outputs) -> Replay:
         (vehicle.first_settings or vehicle.settings) if request.as_it_came else None,
         smoothed,
     )
-    if request.calibrations:
-        _calibrate(flight, plan, vehicle, request)
+    remarks = calibrate(flight, plan, vehicle, request.calibrations)
     if outputs.observer is not None:
         outputs.observer.begin(north.direction)
     _fly(source, flight, plan, _part_of(outputs.progress, SUMMARY_SHARE, 1.0))
@@ -105,34 +102,10 @@ def replay(source: LogSource, request: Request, outputs: Outputs) -> Replay:
         reasons = "; ".join(source.refusals(plan)) or "the part to be read has none"
         raise UnreadableDataError(f"no usable {plan.imu}: {reasons}")
     if outputs.learned is not None:
-        outputs.learned(_learned(flight, plan, vehicle))
+        outputs.learned(learned(flight, plan, vehicle))
     notes = [] if request.filters else choice_notes(summary, plan)
-    notes += [*all_notes(source, summary, plan, flight, filters), *north.notes]
+    notes += [*remarks, *all_notes(source, summary, plan, flight, filters), *north.notes]
     return Replay(summary, plan, north.field, flight, tuple(notes))
-
-
-def _calibrate(flight: Flight, plan: Plan, vehicle: VehicleSummary, request: Request) -> None:
-    """Let the filters begin with the errors of the sensors by earlier flights."""
-    from attest_mav.config.calibration import calibrations_of  # noqa: PLC0415  (its library costs 20 ms)
-
-    known = calibrations_of(request.calibrations, plan.vehicle[0], _unix_s(vehicle))
-    for run in flight.runs:
-        run.pipeline.vehicle.calibrations = known
-
-
-def _learned(flight: Flight, plan: Plan, vehicle: VehicleSummary) -> "KeptCalibrations":
-    """The errors of the sensors that the first filter which knows them has found."""
-    from attest_mav.config.calibration import kept_calibration  # noqa: PLC0415  (as above)
-
-    system, unix_s = plan.vehicle[0], _unix_s(vehicle)
-    found = next((run.pipeline.learned for run in flight.runs if run.pipeline.learned), {})
-    return {f"{system}/{name}": kept_calibration(one, unix_s) for name, one in found.items()}
-
-
-def _unix_s(vehicle: VehicleSummary) -> float:
-    """The date of the flight, s since 1970; 0 where the log does not tell it."""
-    date = date_of(vehicle)
-    return 0.0 if date is None else max(0.0, date.unix_s)
 
 
 def _smoothed(

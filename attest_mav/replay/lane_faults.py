@@ -9,6 +9,7 @@ FAULTS: Final = {
     LaneEventKind.FROZEN: "frozen",
     LaneEventKind.STOPPED: "stopped",
     LaneEventKind.DELAYED: "late",
+    LaneEventKind.UNCALIBRATED: "uncalibrated",
 }
 """The kind of fault that begins with an event."""
 ENDS: Final = {

@@ -4,7 +4,7 @@ A request can be pickled for another process. Pickle cannot restore a frozen dat
 the fields one by one; so filters and window are pickled as a call of their class (``_AsCall``).
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields, is_dataclass
 from math import inf
 from typing import TYPE_CHECKING, Any, Final
@@ -18,7 +18,7 @@ from attest_mav.replay.plan import VehicleChoice
 from attest_mav.replay.smoothed import Smooth
 
 if TYPE_CHECKING:
-    from attest_mav.config.calibration import KeptCalibration, KeptCalibrations
+    from attest_mav.config.calibration import KeptCalibrations
 
 
 class _AsCall:
@@ -73,7 +73,7 @@ class Request:
     """The smoother, a function of a module so that pickle takes it; None to do without."""
     smooths_beside_truth: bool = False
     """Whether the smoothed attitude is compared too where the reference is another."""
-    calibrations: "Mapping[str, KeptCalibration]" = field(default_factory=dict)
+    calibrations: "KeptCalibrations" = field(default_factory=dict)
     """Errors of sensors by earlier flights, which the filters begin with; see ``config.calibration``."""
 
     def __reduce__(self) -> tuple[Any, ...]:

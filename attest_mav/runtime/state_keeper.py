@@ -110,7 +110,7 @@ class StateKeeper(Handler):
     def _fail(self, complaint: str) -> None:
         if not self._is_failing:
             log.warning(
-                "%s; a restart would lose parameters that were set, the time of signatures, and the sensors' errors",
+                "%s; a restart would lose set parameters, the time of signatures and the sensors' errors",
                 complaint,
             )
         self._is_failing = True

@@ -27,7 +27,12 @@ LANE_WARNINGS: Final = {
     LaneEventKind.EXPLAINED,
 }
 LANE_STOPS: Final = {LaneEventKind.STOPPED, LaneEventKind.DELAYED}
-LANE_NOTICES: Final = {LaneEventKind.HEADING_FOUND, LaneEventKind.RETURNED, LaneEventKind.RECEIVER_USED}
+LANE_NOTICES: Final = {
+    LaneEventKind.HEADING_FOUND,
+    LaneEventKind.RETURNED,
+    LaneEventKind.RECEIVER_USED,
+    LaneEventKind.UNCALIBRATED,
+}
 """Events of a lane that are announced; those that stop publishing are announced as that."""
 
 VERDICTS_A_MINUTE: Final = 20

@@ -18,7 +18,7 @@ from attest_mav.filters.calibration import SensorCalibration, UncertainVector
 from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
 from attest_mav.filters.velocity_aided.nav_state import NavigationState
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.matrices import diagonal, trace
+from attest_mav.matrices import diagonal, symmetric, trace
 from attest_mav.types import Mat3, Vec3
 
 KEPT_AT_START: Final = 0.9
@@ -45,7 +45,8 @@ def learned(
     if not trace(nav.covariance.aa) < LEARNED * trace(before.accel_bias.covariance):
         return None
     return SensorCalibration(
-        UncertainVector(nav.accel_bias, nav.covariance.aa), UncertainVector(nav.hard_iron, nav.covariance.mm)
+        UncertainVector(nav.accel_bias, symmetric(nav.covariance.aa)),
+        UncertainVector(nav.hard_iron, symmetric(nav.covariance.mm)),
     )
 
 

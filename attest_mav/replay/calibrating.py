@@ -1,0 +1,51 @@
+"""Sensor errors of earlier flights at the start of a replay, and those of its flight in the end."""
+
+from typing import TYPE_CHECKING, Final
+
+from attest_mav.logs.source import Plan, VehicleSummary
+from attest_mav.replay.flight import Flight
+from attest_mav.replay.north import date_of
+
+if TYPE_CHECKING:
+    from attest_mav.config.calibration import KeptCalibrations
+
+DAY_S: Final = 86400.0
+
+
+def calibrate(flight: Flight, plan: Plan, vehicle: VehicleSummary, kept: "KeptCalibrations") -> list[str]:
+    """Let the filters begin with the errors of the sensors by earlier flights; remarks for people.
+
+    Without a date of the flight the errors count as just learned.
+    """
+    from attest_mav.config.calibration import calibrations_of  # noqa: PLC0415  (its library costs 20 ms)
+
+    if not kept:
+        return []
+    system, unix_s = plan.vehicle[0], _unix_s(vehicle)
+    known = calibrations_of(kept, system, unix_s)
+    for run in flight.runs:
+        run.pipeline.vehicle.calibrations = known
+    used = [name for name in (plan.imu, *plan.other_sensors) if name in known]
+    if not used:
+        return [f"the calibration has neither {system}/{plan.imu} nor another sensor used here: it has {_list(kept)}"]
+    ages = [f"{name} {known[name].age_s / DAY_S:.1f} days old" for name in used]
+    return [f"the filter begins with sensor errors of earlier flights: {', '.join(ages)}"]
+
+
+def learned(flight: Flight, plan: Plan, vehicle: VehicleSummary) -> "KeptCalibrations":
+    """The errors of the sensors that the first filter which knows them has found."""
+    from attest_mav.config.calibration import kept_calibration  # noqa: PLC0415  (as above)
+
+    system, unix_s = plan.vehicle[0], _unix_s(vehicle)
+    found = next((one for run in flight.runs if (one := run.pipeline.learned)), {})
+    return {f"{system}/{name}": kept_calibration(one, unix_s) for name, one in found.items()}
+
+
+def _unix_s(vehicle: VehicleSummary) -> float:
+    """The date of the flight, s since 1970; 0 where the log does not tell it."""
+    date = date_of(vehicle)
+    return 0.0 if date is None else max(0.0, date.unix_s)
+
+
+def _list(kept: "KeptCalibrations") -> str:
+    return ", ".join(sorted(kept))
