@@ -90,8 +90,8 @@ class Service:
         self._decoder = Decoder(dialect, settings.raw_scales)
         self._field_lookup: Final = FieldLookup(find_field, settings.declination, self._notebook)
         self._announcements: Final = Announcements(self._companion)
-        self._attitude = self._new_attitude(VehicleSettings(), EarthField(settings.declination))
         self._sender = self._companion.sender
+        self._attitude = self._new_attitude(VehicleSettings(), EarthField(settings.declination))
         self._samples = 0
         self._stale_ns: Final = int(settings.pipeline.stale_s * 1e9)
         self._source_notes: Final = SourceNotes(self._notebook)

@@ -1,0 +1,77 @@
+"""Files with the errors of sensors."""
+
+import json
+
+import pytest
+
+from attest_mav.config.calibration import (
+    MAX_SENSORS,
+    calibrations_of,
+    calibrations_text,
+    kept_calibration,
+    newest,
+    parse_calibrations,
+)
+from attest_mav.filters.calibration import SensorCalibration, UncertainVector
+
+BIAS = UncertainVector((0.1, -0.2, 0.3), ((4e-4, 1e-5, 0.0), (1e-5, 5e-4, 0.0), (0.0, 0.0, 6e-4)))
+IRON = UncertainVector((0.01, -0.02, 0.03), ((1e-6, 0.0, 0.0), (0.0, 1e-6, 0.0), (0.0, 0.0, 1e-6)))
+KNOWN = SensorCalibration(BIAS, IRON)
+
+
+def text_of(**changes):
+    vector = {"mean": [0, 0, 0], "covariance": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}
+    sensor = {"accel_bias": vector, "hard_iron": vector, "learned_unix_s": 1.0} | changes
+    return json.dumps({"calibrations": {"1/RAW_IMU": sensor}}).encode()
+
+
+def test_what_is_written_is_read_again_to_the_last_digit():
+    kept = {"1/RAW_IMU": kept_calibration(KNOWN, 1000.0)}
+    found = calibrations_of(parse_calibrations(calibrations_text(kept)), 1, 5000.0)["RAW_IMU"]
+    assert found.accel_bias.mean == BIAS.mean
+    assert found.accel_bias.covariance == BIAS.covariance
+    assert found.hard_iron.mean == IRON.mean
+    assert found.hard_iron.covariance == IRON.covariance
+    assert found.age_s == 4000.0
+
+
+def test_each_vehicle_has_its_own_sensors():
+    kept = {f"{system}/RAW_IMU": kept_calibration(KNOWN, 0.0) for system in (1, 11)}
+    assert calibrations_of(kept, 1, 0.0).keys() == {"RAW_IMU"}
+    assert calibrations_of(kept, 2, 0.0) == {}
+
+
+def test_a_clock_that_is_behind_makes_nothing_younger_than_new():
+    assert calibrations_of({"1/RAW_IMU": kept_calibration(KNOWN, 2000.0)}, 1, 5.0)["RAW_IMU"].age_s == 0.0
+
+
+def test_the_sensors_that_were_learned_last_are_kept():
+    kept = {f"{n}/RAW_IMU": kept_calibration(KNOWN, float(n)) for n in range(1, 2 * MAX_SENSORS)}
+    assert set(newest(kept)) == {f"{n}/RAW_IMU" for n in range(MAX_SENSORS, 2 * MAX_SENSORS)}
+
+
+def test_a_state_file_of_a_service_is_such_a_file():
+    state = json.loads(text_of()) | {"signing_timestamp": 5, "parameters": {}}
+    assert parse_calibrations(json.dumps(state).encode()).keys() == {"1/RAW_IMU"}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        b"",
+        b"[]",
+        b"{}",
+        b"\xff\xfe",
+        text_of(learned_unix_s=-1.0),
+        text_of(learned_unix_s="now"),
+        text_of(accel_bias={"mean": [0, 0], "covariance": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}),
+        text_of(accel_bias={"mean": [0, 0, 1e9], "covariance": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}),
+        text_of(hard_iron={"mean": [0, 0, 0], "covariance": [[-1, 0, 0], [0, 1, 0], [0, 0, 1]]}),
+        text_of(hard_iron={"mean": [0, 0, 0], "covariance": [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]]}),
+        text_of(hard_iron={"mean": [0, 0, 0], "covariance": [[1, 2, 0], [2, 1, 0], [0, 0, 1]]}),
+        text_of().replace(b"RAW_IMU", b"../RAW"),
+    ],
+)
+def test_a_file_that_makes_no_sense_is_refused(text):
+    with pytest.raises(ValueError, match=r"."):
+        parse_calibrations(text)

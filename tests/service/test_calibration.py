@@ -1,0 +1,56 @@
+"""Sensor errors that a flight has shown outlast a restart of the service."""
+
+import pytest
+
+from attest_mav.config.records import parse_config
+from attest_mav.service.kept_state import KeptState, parse_state, state_text
+from attest_mav.sim.settings import SimSettings
+
+from .conftest import Flight
+
+NOW_NS = 1_790_000_000 * 10**9
+MONTH_NS = 30 * 86400 * 10**9
+LINK = "[[link]]\nurl = 'udpin::0'\n"
+SQUARE = SimSettings(scenario="square")
+BEGINS = "begins with the accelerometer bias and hard iron of earlier flights"
+
+
+def said(flight, text):
+    return [note.text for note in flight.notes if text in note.text]
+
+
+@pytest.fixture(scope="module")
+def kept(dialect):
+    """The state after the first flight."""
+    first = Flight(dialect, parse_config(LINK, "test"), SQUARE)
+    first.service.persistence.restore(KeptState(), NOW_NS, 0)
+    first.run_until(45.0)
+    assert not said(first, BEGINS)
+    return parse_state(state_text(first.service.persistence.state))
+
+
+def test_the_next_start_begins_with_what_the_last_flight_has_shown(flight, kept):
+    assert kept.calibrations.keys() == {"1/RAW_IMU", "1/SCALED_IMU2"}
+    assert kept.calibrations["1/RAW_IMU"].learned_unix_s == NOW_NS * 1e-9
+    second = flight("", SQUARE)
+    second.service.persistence.restore(kept, NOW_NS + MONTH_NS, 0)
+    second.run_until(15.0)
+    assert said(second, BEGINS) == [f"RAW_IMU: {BEGINS}", f"SCALED_IMU2: {BEGINS}"]
+    assert second.service.persistence.state.calibrations == kept.calibrations, "it has not moved yet"
+
+
+def test_a_service_that_must_not_learn_keeps_what_is_there_and_uses_none(flight, kept):
+    second = flight("[state]\ncalibration = false\n", SQUARE)
+    second.service.persistence.restore(kept, NOW_NS, 0)
+    second.run_until(45.0)
+    assert not said(second, BEGINS)
+    assert second.service.persistence.state.calibrations == kept.calibrations
+
+
+def test_another_vehicle_begins_without_them(flight, kept):
+    others = {name.replace("1/", "2/"): one for name, one in kept.calibrations.items()}
+    second = flight("", SQUARE)
+    second.service.persistence.restore(KeptState(calibrations=others), NOW_NS, 0)
+    second.run_until(15.0)
+    assert second.snapshot().published_lane is not None
+    assert not said(second, BEGINS)
