@@ -9,6 +9,7 @@ from msgspec import Meta
 from attest_mav.filters.calibration import SensorCalibration, UncertainVector
 from attest_mav.plausible import is_covariance
 
+DAY_S: Final = 86400.0
 MAX_SENSORS: Final = 16
 """Sensors that are kept; the ones that were learned last."""
 
@@ -42,12 +43,15 @@ class KeptCalibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """When they were learned, s since 1970."""
 
     def at(self, unix_s: float) -> SensorCalibration:
-        """The errors as a filter takes them at this time of day; a clock that is behind makes them no younger."""
+        """The errors as a filter takes them at this time of day; a clock that is behind makes them no younger.
+
+        The age is in whole days, so that live flight and replay, whose clocks differ, begin with the same numbers.
+        """
         bias, iron = self.accel_bias, self.hard_iron
         return SensorCalibration(
             UncertainVector(bias.mean, bias.covariance),
             UncertainVector(iron.mean, iron.covariance),
-            max(0.0, unix_s - self.learned_unix_s),
+            DAY_S * max(0.0, (unix_s - self.learned_unix_s) // DAY_S),
         )
 
 

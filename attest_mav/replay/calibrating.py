@@ -28,7 +28,7 @@ def calibrate(flight: Flight, plan: Plan, vehicle: VehicleSummary, kept: "KeptCa
     used = [name for name in (plan.imu, *plan.other_sensors) if name in known]
     if not used:
         return [f"the calibration has neither {system}/{plan.imu} nor another sensor used here: it has {_list(kept)}"]
-    ages = [f"{name} {known[name].age_s / DAY_S:.1f} days old" for name in used]
+    ages = [f"{name} {known[name].age_s / DAY_S:.0f} days old" for name in used]
     return [f"the filter begins with sensor errors of earlier flights: {', '.join(ages)}"]
 
 

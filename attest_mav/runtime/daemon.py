@@ -8,6 +8,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
+from attest_mav.config.calibration import calibrations_text
 from attest_mav.config.live import differences, with_live_keys
 from attest_mav.config.records import Config, web_address
 from attest_mav.config.text import printable
@@ -52,10 +53,10 @@ class Daemon:
         """Other handlers may be added before ``run``."""
         self.links: Final = open_links(config.link, dialect, now_ns)
         self._tape: Final = self._new_tape(config, dialect, now_ns)
-        self._recorder: Final = self._new_recorder(config)
         names = [link.url for link in self.links]
         self.service: Final = Service(settings, names, dialect, find_field, now_ns, self._tape)
         self._keeper: Final = self._state_keeper(config, now_ns)
+        self._recorder: Final = self._new_recorder(config)
         self._notifier: Final = Notifier(os.environ)
         for number, link in enumerate(self.links):
             restarted = partial(self.service.link_restarted, number)
@@ -131,7 +132,8 @@ class Daemon:
             return None
         from attest_mav.runtime.recorder.recorder import Recorder  # noqa: PLC0415  (costs nothing while it is off)
 
-        return Recorder(config.record, self._tape)
+        known = self.service.persistence.state.calibrations if config.state.calibration else {}
+        return Recorder(config.record, self._tape, calibrations_text(known) if known else b"")
 
     def _web_server(self, config: Config, now_ns: int) -> "WebServer | None":
         """The live page, None where it is off."""

@@ -27,12 +27,12 @@ def text_of(**changes):
 
 def test_what_is_written_is_read_again_to_the_last_digit():
     kept = {"1/RAW_IMU": kept_calibration(KNOWN, 1000.0)}
-    found = calibrations_of(parse_calibrations(calibrations_text(kept)), 1, 5000.0)["RAW_IMU"]
+    found = calibrations_of(parse_calibrations(calibrations_text(kept)), 1, 1000.0 + 3.5 * 86400.0)["RAW_IMU"]
     assert found.accel_bias.mean == BIAS.mean
     assert found.accel_bias.covariance == BIAS.covariance
     assert found.hard_iron.mean == IRON.mean
     assert found.hard_iron.covariance == IRON.covariance
-    assert found.age_s == 4000.0
+    assert found.age_s == 3.0 * 86400.0, "whole days"
 
 
 def test_each_vehicle_has_its_own_sensors():

@@ -90,6 +90,18 @@ def test_the_oldest_files_make_room_and_others_are_left_alone(tmp_path):
     assert mine[1].exists()
 
 
+def test_the_calibration_of_a_recording_comes_and_goes_with_it(tmp_path):
+    text = b'{"calibrations": {}}\n'
+    fd, path = RecordFolder(tmp_path, 10, 0, text).open_next()
+    os.close(fd)
+    companion = path.with_suffix(".calibration.json")
+    assert companion.read_bytes() == text
+    assert companion.stat().st_mode & 0o777 == path.stat().st_mode & 0o777
+    path.write_bytes(bytes(1000))
+    assert RecordFolder(tmp_path, 10, 0).has_room(None)
+    assert files(tmp_path) == []
+
+
 def test_a_reserve_is_kept_on_the_disk(tmp_path, monkeypatch):
     monkeypatch.setattr(os, "statvfs", lambda _: SimpleNamespace(f_bavail=100, f_frsize=10))
     assert RecordFolder(tmp_path, 10_000, 1000).has_room(None)

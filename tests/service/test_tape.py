@@ -6,7 +6,9 @@ import pytest
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from attest_mav.config.calibration import kept_calibration
 from attest_mav.config.records import parse_config
+from attest_mav.filters.calibration import SensorCalibration, UncertainVector
 from attest_mav.logs.tlog.reader import TlogReader
 from attest_mav.logs.tlog.source import TlogSource
 from attest_mav.mavlink.component.notes import ERROR, WARNING, Note
@@ -16,6 +18,7 @@ from attest_mav.replay.engine import replay
 from attest_mav.replay.report import as_json
 from attest_mav.replay.request import Outputs, Request, Window
 from attest_mav.service.assembly import service_settings
+from attest_mav.service.kept_state import KeptState
 from attest_mav.service.service import Service
 from attest_mav.service.tape import MAX_WAITING, Tape
 from attest_mav.sim.autopilot import FakeAutopilot
@@ -31,7 +34,7 @@ EPOCH_NS = 1_750_000_000 * SECOND
 class Recorded:
     """A flight of the whole service on virtual time, recorded as the daemon does."""
 
-    def __init__(self, faults=(), seconds=30, signing=""):
+    def __init__(self, faults=(), seconds=30, signing="", calibrations=None):
         self.dialect = load_dialect()
         settings = SimSettings(scenario="square", fast_rate_hz=50.0, faults=parse_faults(faults))
         self.vehicle = FakeAutopilot(settings, 1, self.dialect)
@@ -41,6 +44,7 @@ class Recorded:
         field = EarthField(DECLINATION, nan)
         service_of = service_settings(config, keys) if signing else service_settings(config)
         self.service = Service(service_of, ["udpin::0"], self.dialect, lambda *_: (field, "a test"), 0, self.tape)
+        self.service.persistence.restore(KeptState(calibrations=calibrations or {}), EPOCH_NS, 0)
         self.data = b""
         self.sent = []
         for self.now_ns in range(0, seconds * SECOND, 20_000_000):
@@ -64,9 +68,9 @@ def flight():
     return Recorded(["gyro1-bias-x=5@18+6"])
 
 
-def verdicts(data, dialect):
+def verdicts(data, dialect, calibrations=None):
     field = degrees(DECLINATION)
-    request = Request((), None, None, field, Window(), as_it_came=True)
+    request = Request((), None, None, field, Window(), as_it_came=True, calibrations=calibrations or {})
     report = as_json("log", replay(TlogSource(data, dialect), request, Outputs()))
     return report["verdict"]["intervals"]
 
@@ -78,10 +82,23 @@ def first_sample_s(data, dialect):
 
 
 def test_a_replay_of_the_recording_gives_the_verdicts_of_the_flight(flight):
-    replayed = verdicts(flight.data, flight.dialect)
+    assert_same_verdicts(flight, verdicts(flight.data, flight.dialect))
+
+
+def test_so_does_one_with_the_calibration_that_the_flight_began_with():
+    """The bias is wrong by 0.5 m/s^2: attitude and autopilot differ from the start, as they did in the flight."""
+    small = ((1e-4, 0.0, 0.0), (0.0, 1e-4, 0.0), (0.0, 0.0, 1e-4))
+    known = SensorCalibration(UncertainVector((0.5, 0.0, 0.0), small), UncertainVector((0.0, 0.0, 0.0), small))
+    kept = {f"1/{name}": kept_calibration(known, EPOCH_NS) for name in ("RAW_IMU", "SCALED_IMU2")}
+    flight = Recorded(seconds=20, calibrations=kept)
+    assert_same_verdicts(flight, verdicts(flight.data, flight.dialect, kept), "undecided")
+    assert verdicts(flight.data, flight.dialect) != verdicts(flight.data, flight.dialect, kept)
+
+
+def assert_same_verdicts(flight, replayed, among="disagree"):
     live = flight.spans
     assert [one["state"] for one in replayed] == [one.agreement.name.lower() for one in live]
-    assert "disagree" in [one["state"] for one in replayed]
+    assert among in [one["state"] for one in replayed]
     assert [one["reason"] for one in replayed] == [one.reason for one in live]
     for name, values in (
         ("peak_tilt_deg", [s.peak_tilt for s in live]),

@@ -22,12 +22,16 @@ class Recording(NamedTuple):
 
 
 class RecordFolder:
-    """Numbered recordings; other files of the folder are left alone. ``make`` comes first."""
+    """Numbered recordings; other files of the folder are left alone. ``make`` comes first.
 
-    def __init__(self, path: Path, total_bytes: int, reserve_bytes: int) -> None:
+    calibration: text that a replay needs beside each of them, in a file of its own; empty for none.
+    """
+
+    def __init__(self, path: Path, total_bytes: int, reserve_bytes: int, calibration: bytes = b"") -> None:
         self._path: Final = path
         self._total_bytes: Final = total_bytes
         self._reserve_bytes: Final = reserve_bytes
+        self._calibration: Final = calibration
 
     def make(self) -> None:
         """Make the folder where there is none; OSError where nothing can be written into it."""
@@ -51,7 +55,10 @@ class RecordFolder:
         """The descriptor and the path of a new file."""
         number = max((one.number for one in self.recordings()), default=0) + 1
         path = self._path / f"attest-mav-{number:05d}-{time.strftime('%Y%m%dT%H%M%SZ', time.gmtime())}.tlog"
-        return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | os.O_CLOEXEC, MODE), path
+        if self._calibration:
+            with open(_create(beside(path)), "wb") as file:
+                file.write(self._calibration)
+        return _create(path), path
 
     def has_room(self, current: Path | None) -> bool:
         """Delete the oldest files while limits are exceeded, never the current one; whether that was enough."""
@@ -61,11 +68,21 @@ class RecordFolder:
             if total <= self._total_bytes and self._free_bytes() >= self._reserve_bytes:
                 return True
             if one.path != current:
-                with suppress(FileNotFoundError):
-                    one.path.unlink()
+                for path in (one.path, beside(one.path)):
+                    with suppress(FileNotFoundError):
+                        path.unlink()
                 total -= one.size
         return total <= self._total_bytes and self._free_bytes() >= self._reserve_bytes
 
     def _free_bytes(self) -> int:
         state = os.statvfs(self._path)
         return state.f_bavail * state.f_frsize
+
+
+def beside(path: Path) -> Path:
+    """The file with the calibration that a recording began with."""
+    return path.with_suffix(".calibration.json")
+
+
+def _create(path: Path) -> int:
+    return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | os.O_CLOEXEC, MODE)

@@ -15,10 +15,14 @@ MEGABYTE: Final = 1_000_000
 
 
 class Recorder:
-    """Passes a tape on to the disk. ConfigError where the folder cannot be had, unless that is the disk's fault."""
+    """Passes a tape on to the disk. ConfigError where the folder cannot be had, unless that is the disk's fault.
 
-    def __init__(self, config: RecordConfig, tape: Tape) -> None:
-        folder = RecordFolder(Path(config.folder), int(config.total_mb * MEGABYTE), int(config.reserve_mb * MEGABYTE))
+    calibration: text of the sensors' errors that the flight begins with, which a replay needs too; empty for none.
+    """
+
+    def __init__(self, config: RecordConfig, tape: Tape, calibration: bytes = b"") -> None:
+        total, reserve = int(config.total_mb * MEGABYTE), int(config.reserve_mb * MEGABYTE)
+        folder = RecordFolder(Path(config.folder), total, reserve, calibration)
         try:
             folder.make()
         except OSError as error:
