@@ -18,7 +18,7 @@ from attest_mav.filters.calibration import SensorCalibration, UncertainVector
 from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
 from attest_mav.filters.velocity_aided.nav_state import NavigationState
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.matrices import diagonal, symmetric, trace
+from attest_mav.matrices import diagonal, symmetric
 from attest_mav.types import Mat3, Vec3
 
 KEPT_AT_START: Final = 0.9
@@ -27,7 +27,8 @@ known to 4 mg, and the iron to 3 mG."""
 MEMORY_S: Final = 180 * 86400.0
 """Time constant with which that share falls, s."""
 LEARNED: Final = 0.5
-"""A flight has shown the errors when the variance of the accelerometer's bias has fallen to this share."""
+"""A flight has shown the errors when the variance of the accelerometer's bias has fallen to this share in each axis:
+gravity shows the one along the vertical to a vehicle that stands."""
 REFUTING_SIGMAS: Final = 4.0
 HORIZONTAL_FIELD: Final = 0.2
 """gauss: of the Earth, about; relates hard iron to heading."""
@@ -41,8 +42,8 @@ def learned(
     begun_with: the errors that it began with, None for those of any sensor. A session without a manoeuvre shows none,
     and must not take the place of an earlier flight.
     """
-    before = unknown(parameters) if begun_with is None else begun_with
-    if not trace(nav.covariance.aa) < LEARNED * trace(before.accel_bias.covariance):
+    before = (unknown(parameters) if begun_with is None else begun_with).accel_bias.covariance
+    if not all(nav.covariance.aa[axis][axis] < LEARNED * before[axis][axis] for axis in range(3)):
         return None
     return SensorCalibration(
         UncertainVector(nav.accel_bias, symmetric(nav.covariance.aa)),

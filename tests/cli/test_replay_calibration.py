@@ -1,0 +1,120 @@
+"""``attest-mav replay`` with sensor errors of earlier flights: from a file, and into one."""
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+from attest_mav.cli.main import main
+
+CUTS = Path(__file__).parent.parent / "data"
+FLOWN = CUTS / "copter_receiver_noise.tlog"
+START = CUTS / "copter_square_start.tlog"
+
+
+@pytest.fixture
+def attest_mav(monkeypatch, capsys):
+    """Runs a command in this process; (exit code, standard output, standard error)."""
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["attest-mav", *map(str, arguments)])
+        try:
+            main()
+            code = 0
+        except SystemExit as end:
+            code = end.code
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return run
+
+
+@pytest.fixture
+def kept(attest_mav, tmp_path):
+    """The file after a flight with manoeuvres."""
+    path = tmp_path / "copter.json"
+    code, _, err = attest_mav("replay", FLOWN, "--skip", "2", "--json", "--save-calibration", path)
+    assert (code, err) == (0, "")
+    return path
+
+
+def test_the_errors_of_both_sensors_go_from_one_flight_to_the_next(attest_mav, kept):
+    """The simulator's sensors have none: the truth is zero."""
+    sensors = json.loads(kept.read_text())["calibrations"]
+    assert sensors.keys() == {"1/RAW_IMU", "1/SCALED_IMU2"}
+    for sensor in sensors.values():
+        for name in ("accel_bias", "hard_iron"):
+            mean, covariance = sensor[name]["mean"], sensor[name]["covariance"]
+            assert all(abs(mean[axis]) < 3.0 * covariance[axis][axis] ** 0.5 for axis in range(3))
+    code, out, _ = attest_mav("replay", START, "--skip", "2", "--json", "--calibration", kept)
+    assert code == 0
+    (note,) = [one for one in json.loads(out)["notes"] if "earlier flights" in one]
+    assert note == (
+        "the filter begins with sensor errors of earlier flights: RAW_IMU 0 days old, SCALED_IMU2 0 days old"
+    )
+
+
+def test_a_second_process_begins_with_the_same(attest_mav, kept):
+    """``--workers`` gives what one process gives."""
+    outcomes = [
+        attest_mav("replay", START, FLOWN, "--skip", "2", "--json", "--calibration", kept, "--workers", number)[1]
+        for number in (1, 2)
+    ]
+    assert outcomes[0] == outcomes[1]
+    assert outcomes[0].count("earlier flights") == 2
+
+
+def test_a_flight_that_shows_nothing_leaves_what_was_known(attest_mav, kept, tmp_path):
+    path = tmp_path / "next.json"
+    code, _, err = attest_mav(
+        "replay", START, "--end", "8", "--json", "--calibration", kept, "--save-calibration", path
+    )
+    assert code == 0
+    assert err == "attest-mav: the flight has not shown the errors of its sensors: none is added\n"
+    assert json.loads(path.read_text()) == json.loads(kept.read_text())
+
+
+def test_a_file_of_another_vehicle_is_told(attest_mav, kept, tmp_path):
+    path = tmp_path / "other.json"
+    path.write_text(kept.read_text().replace("1/", "7/"))
+    code, out, _ = attest_mav("replay", START, "--skip", "2", "--json", "--calibration", path)
+    assert code == 0
+    expected = "the calibration has neither 1/RAW_IMU nor another sensor used here: it has 7/RAW_IMU, 7/SCALED_IMU2"
+    assert expected in json.loads(out)["notes"]
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (None, "cannot be read: no such file or directory"),
+        (b"", "expected a file that --save-calibration has written, or the state file of a service"),
+        (b"\x93NUMPY", "expected a file that --save-calibration has written, or the state file of a service"),
+        (b'{"calibrations": {}}', "holds the errors of no sensor; leave the option out"),
+    ],
+)
+def test_a_wrong_file_is_one_line(attest_mav, tmp_path, content, says):
+    path = tmp_path / "wrong.json"
+    if content is not None:
+        path.write_bytes(content)
+    code, out, err = attest_mav("replay", START, "--calibration", path)
+    assert (code, out) == (78, "")
+    assert err.startswith(f"attest-mav: error: --calibration {path}: ")
+    assert err.endswith(f"{says}\n")
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("others", "says"),
+    [
+        ((START,), "--save-calibration takes one LOG: the errors of the sensors are those at the end of a flight"),
+        (("--results", "r"), "--save-calibration and --results: a result that is kept is figures alone"),
+        (("--dask", "localhost:1"), "--dask and --save-calibration: "),
+        (("--csv", "c.json"), "--csv and --save-calibration are both c.json: expected two files"),
+    ],
+)
+def test_options_that_do_not_go_together_are_one_line(attest_mav, others, says):
+    code, _, err = attest_mav("replay", FLOWN, *others, "--save-calibration", "c.json")
+    assert code == 2
+    assert says in err
+    assert err.count("\n") == 1
