@@ -23,7 +23,6 @@ from attest_mav.filters.velocity_aided.aids.iron import IronFit, watch_iron
 from attest_mav.filters.velocity_aided.aids.magnetometer import Magnetometer, fuse_magnetometer, reading_is_due
 from attest_mav.filters.velocity_aided.aids.zero_mean_velocity import fuse_zero_mean_velocity
 from attest_mav.filters.velocity_aided.aids.zero_motion import Stationary, detect, fuse_zero_motion
-from attest_mav.filters.velocity_aided.calibration import is_refuted, without
 from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
 from attest_mav.filters.velocity_aided.imu_memory import ImuMemory
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, body_rate
@@ -62,9 +61,10 @@ def navigate(
     fix = inputs.velocity
     if fix is not None and fix_is_due(gnss, fix, parameters):
         nav, gnss = fuse_velocity(nav, imu, gnss, fix, estimates_sensors, parameters)
-    has_velocity = gnss.since_fused_s < LOST_S
     stationary = detect(before.stationary, reading, _speed_against_rest(fix, inputs), dt_s)
-    nav, stationary = fuse_zero_motion(nav, stationary, has_velocity, estimates_sensors, sample.t_ns, parameters)
+    nav, stationary = fuse_zero_motion(
+        nav, stationary, gnss.since_fused_s < LOST_S, estimates_sensors, sample.t_ns, parameters
+    )
     mode = _aiding_mode(gnss, stationary, inputs, parameters)
     wind, fallback = before.wind, NO_FALLBACK
     if mode == AidingMode.VELOCITY:
@@ -73,9 +73,6 @@ def navigate(
         nav, fallback = _fuse_fallback(nav, before, mode, imu, inputs, dt_s, parameters)
     in_place = gnss.last is None and inputs.zero_mean_velocity
     nav, magnetometer, iron = _fuse_field(nav, before, reading, sample, dt_s, in_place, parameters)
-    begun_with = before.begun_with
-    if begun_with is not None and gnss.since_fused_s == 0.0 and is_refuted(nav, begun_with):
-        nav, begun_with = without(nav, parameters), None
     return Navigation(
         nav,
         imu.with_attitude(nav),
@@ -87,7 +84,7 @@ def navigate(
         fallback,
         before.declination,
         mode,
-        begun_with,
+        before.begun_with,
         has_stepped=True,
     )
 

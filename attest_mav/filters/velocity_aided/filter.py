@@ -137,6 +137,7 @@ class VelocityAided(AttitudeFilter):
         if before.alignment is not None or is_lost(dt_s, inputs):
             return self._align(before, navigation, reading, sample, inputs, dt_s)
         navigation = navigate(after_gap(navigation, dt_s, inputs), reading, sample, inputs, dt_s, parameters)
+        navigation = navigation.without_refuted_calibration(parameters)
         nav = navigation.estimate
         if not nav.is_valid:
             start = new_alignment(reading, sample.t_ns)

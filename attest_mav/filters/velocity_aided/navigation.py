@@ -13,6 +13,7 @@ from attest_mav.filters.velocity_aided.aids.gnss_velocity import GnssVelocity
 from attest_mav.filters.velocity_aided.aids.iron import IronFit
 from attest_mav.filters.velocity_aided.aids.magnetometer import Magnetometer
 from attest_mav.filters.velocity_aided.aids.zero_motion import Stationary
+from attest_mav.filters.velocity_aided.calibration import is_refuted, without
 from attest_mav.filters.velocity_aided.imu_memory import ImuMemory
 from attest_mav.filters.velocity_aided.measurement import Measurement
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, cross_covariance_of, update
@@ -115,6 +116,14 @@ class Navigation(Record):
         change = declination - self.assumed_declination
         estimate = _with_declination(self.estimate, change, self.declination is None, parameters)
         return self._with(estimate, self.imu, declination, self.begun_with)
+
+    def without_refuted_calibration(self, parameters: FlightParameters) -> "Navigation":
+        """The navigation without the sensor errors of earlier flights, once a fix has refuted them; else the same."""
+        begun_with, fix_is_new = self.begun_with, self.gnss.since_fused_s == 0.0
+        if begun_with is None or not (fix_is_new and is_refuted(self.estimate, begun_with)):
+            return self
+        estimate = without(self.estimate, parameters)
+        return self._with(estimate, self.imu.with_attitude(estimate), self.declination, None)
 
     def _with(
         self,
