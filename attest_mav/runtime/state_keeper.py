@@ -109,10 +109,8 @@ class StateKeeper(Handler):
 
     def _fail(self, complaint: str) -> None:
         if not self._is_failing:
-            log.warning(
-                "%s; a restart would lose set parameters, the time of signatures and the sensors' errors",
-                complaint,
-            )
+            lost = "parameters that were set, the time of signatures, and errors of sensors"
+            log.warning("%s; a restart would lose %s", complaint, lost)
         self._is_failing = True
 
     def _begin(self) -> None:

@@ -73,19 +73,9 @@ def navigate(
         nav, fallback = _fuse_fallback(nav, before, mode, imu, inputs, dt_s, parameters)
     in_place = gnss.last is None and inputs.zero_mean_velocity
     nav, magnetometer, iron = _fuse_field(nav, before, reading, sample, dt_s, in_place, parameters)
+    imu, declination, begun_with = imu.with_attitude(nav), before.declination, before.begun_with
     return Navigation(
-        nav,
-        imu.with_attitude(nav),
-        gnss,
-        magnetometer,
-        iron,
-        stationary,
-        wind,
-        fallback,
-        before.declination,
-        mode,
-        before.begun_with,
-        has_stepped=True,
+        nav, imu, gnss, magnetometer, iron, stationary, wind, fallback, declination, mode, begun_with, has_stepped=True
     )
 
 
