@@ -85,6 +85,8 @@ class LanePair:
         self.dispute: Dispute | None = None
         self.contrast: Contrast | None = None
         """The newest comparison of two lanes in good standing."""
+        self.has_scale = False
+        """Whether the sizes of the accelerometers' biases have been compared."""
         self._paired_ns = (-1, -1)
         self._differed_ns = -1
 

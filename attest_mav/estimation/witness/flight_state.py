@@ -12,6 +12,7 @@ from attest_mav.estimation.field_evidence import FieldReading
 from attest_mav.filters.base import FilterState
 from attest_mav.filters.velocity_aided.aids.field import levelled_field
 from attest_mav.filters.velocity_aided.aids.gnss_velocity import fuse_velocity
+from attest_mav.filters.velocity_aided.calibration import without
 from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, body_rate
@@ -105,6 +106,21 @@ def accel_bias(state: FilterState) -> Vec3:
     return (0.0, 0.0, 0.0) if navigation is None else navigation.estimate.accel_bias
 
 
+def accel_bias_variance(state: FilterState) -> Vec3:
+    """Variances of that bias, (m/s^2)^2; zero while the filter aligns."""
+    navigation = navigation_of(state)
+    if navigation is None:
+        return (0.0, 0.0, 0.0)
+    aa = navigation.estimate.covariance.aa
+    return (aa[0][0], aa[1][1], aa[2][2])
+
+
+def is_calibrated(state: FilterState) -> bool:
+    """True while the filter goes on from sensor errors of earlier flights."""
+    navigation = navigation_of(state)
+    return navigation is not None and navigation.begun_with is not None
+
+
 def velocity_of(state: FilterState) -> Vec3:
     """Velocity by the filter, NED, m/s; zero while it aligns."""
     navigation = navigation_of(state)
@@ -139,6 +155,25 @@ def with_delay_variance(one: VelocityAided, state: FilterState, variance: float)
     if navigation is None:
         return state
     return _with_estimate(one, state, navigation.estimate.with_added_variance(ErrorBlock.DELAYS, (0.0, variance, 0.0)))
+
+
+def with_accel_bias_variance(one: VelocityAided, state: FilterState, variance: float) -> FilterState:
+    """The state with the accelerometer's bias less certain by this variance, (m/s^2)^2 an axis, and so its tilt."""
+    navigation = navigation_of(state)
+    if navigation is None:
+        return state
+    tilt = variance / one.parameters.gravity**2
+    nav = navigation.estimate.with_added_variance(ErrorBlock.ACCEL_BIAS, (variance, variance, variance))
+    return _with_estimate(one, state, nav.with_added_variance(ErrorBlock.ATTITUDE, (tilt, tilt, 0.0)))
+
+
+def without_calibration(one: VelocityAided, state: FilterState) -> FilterState:
+    """The state as uncertain as if no earlier flight had told of the sensor."""
+    navigation = navigation_of(state)
+    if navigation is None:
+        return state
+    forgotten = without(navigation.estimate, one.parameters)
+    return one.with_estimate(cast("VelocityAidedState", state), forgotten, is_same_sensor=False)
 
 
 def on_another_sensor(

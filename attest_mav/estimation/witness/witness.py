@@ -10,6 +10,7 @@ from typing import Final
 from attest_mav.estimation.difference import Member
 from attest_mav.estimation.events import LaneEvent, LaneEventKind
 from attest_mav.estimation.field_evidence import FieldReading
+from attest_mav.estimation.witness.bias_scale import follow_scale
 from attest_mav.estimation.witness.dispute import LanePair
 from attest_mav.estimation.witness.doubt import Doubt
 from attest_mav.estimation.witness.flight_state import accel_bias, on_another_sensor
@@ -141,6 +142,7 @@ class Witness:
                 if paired:
                     self._dispute(pair, moment, events)
                     self._follow_noise(pair)
+                    follow_scale(pair)
                 self._find_guilt(pair, moment, events)
             elif paired and Standing.ASIDE in standings and Standing.GOOD in standings:
                 aside = pair.first if pair.first.standing == Standing.ASIDE else pair.second
