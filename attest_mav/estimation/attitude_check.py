@@ -5,7 +5,7 @@ as the Euler angles; a few of them hide nothing. While any message that still co
 autopilot: a second message that agrees does not cover for it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import inf, nan
 from typing import Final
 
@@ -81,10 +81,10 @@ class AttitudeCheck:
         members: Sequence[Member] = (),
         *,
         doubts: bool = False,
-        field: FieldReading | None = None,
+        readings: Mapping[str, FieldReading] | None = None,
     ) -> list[Verdict]:
         """Take our newest attitude, see ``Judge.take_estimate``; the verdicts on attitudes that waited for it."""
-        return self._chosen(self.judge.take_estimate(estimate, members, doubts=doubts, field=field))
+        return self._chosen(self.judge.take_estimate(estimate, members, doubts=doubts, readings=readings))
 
     def undecided(self, reason: str, now_ns: int) -> Verdict:
         """There is no verdict any more, for this reason."""

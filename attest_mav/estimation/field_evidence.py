@@ -1,4 +1,4 @@
-"""The magnetic field as evidence between the autopilot's attitude and ours.
+"""The readings of one magnetometer as evidence between the autopilot's attitude and ours.
 
 Gyros that are off alike turn every attitude of ours away from a right autopilot, and look like an autopilot that is
 wrong. The field tells both apart: each attitude levels the same reading, and the one under which the field keeps the
@@ -19,9 +19,6 @@ from attest_mav.types import Quat, Vec3
 
 LARGEST_EVIDENCE: Final = 12.0
 """The evidence is limited to this size, so that a new fault of the other side is seen soon."""
-FOR_US: Final = 3.0
-AGAINST_US: Final = 0.0
-"""The field is for our attitude from evidence of the first on, until it falls below the second."""
 JUMP: Final = 0.06
 JUMP_USUALS: Final = 6.0
 """Change of the direction between two readings, beyond both, as a share of the field: no turn makes it under both."""
@@ -37,9 +34,9 @@ APART_LEAST: Final = 0.012
 
 @mypyc_attr(acyclic=True)  # as Sample
 class FieldReading(Record):
-    """One reading of the magnetometer, with what our filter made of it.
+    """One reading of a magnetometer, with what our filter made of it.
 
-    field: in the body, gauss. hard_iron: of it by our filter, gauss. q_nb: our attitude at its instant, t_ns.
+    field: in the body, gauss. hard_iron: of it by its filter, gauss. q_nb: our attitude at its instant, t_ns.
     inclination: of the Earth's field at the place, rad, NaN where it is not known.
     """
 
@@ -62,7 +59,7 @@ class FieldReading(Record):
 
 
 class FieldEvidence:
-    """Log-likelihood ratio of the field between our attitude and one source of the autopilot's."""
+    """Log-likelihood ratio of one magnetometer's field between our attitude and one source of the autopilot's."""
 
     def __init__(self) -> None:
         self.ratio = 0.0
@@ -73,20 +70,15 @@ class FieldEvidence:
         """By our filter while both agreed: an attitude that is wrong takes its error for hard iron."""
         self._ours: Vec3 = (0.0, 0.0, 0.0)
         self._theirs: Vec3 = (0.0, 0.0, 0.0)
-        self._for_us = False
-        self._is_foreign = False
-        self._has_agreed = False
+        self.is_foreign = False
+        """Whether the newest reading cannot be of the Earth's field."""
         self._t_ns = -1
-
-    def note_agreement(self) -> None:
-        """Tilt and heading of both are near, with or without a reading of the field."""
-        self._has_agreed = True
 
     def take(self, reading: FieldReading, turn: Quat, agree: bool) -> None:
         """Take the newest reading. turn: NED rotation from our attitude to the autopilot's; agree: they are near."""
         if reading.t_ns == self._t_ns:
             return
-        self._is_foreign = reading.is_foreign
+        self.is_foreign = reading.is_foreign
         if agree:
             self._hard_iron = reading.hard_iron
         ours = reading.direction(self._hard_iron)
@@ -102,29 +94,14 @@ class FieldEvidence:
         elif watch.mean is not None:
             ratio = self.ratio + watch.score_of(watch.residual_of(theirs)) - watch.score_of(watch.residual_of(ours))
             self.ratio = min(max(ratio, -LARGEST_EVIDENCE), LARGEST_EVIDENCE)
-        self._for_us = self.ratio > (AGAINST_US if self._for_us else FOR_US)
 
-    def forbids(self, now_ns: int, by_heading: bool) -> bool:
-        """Whether the field leaves no disagreement with ours; by_heading: the headings differ too.
-
-        A difference of tilt alone that the field does not show needs no support of the field, any other one does.
-        """
-        age_s = wrapped_difference_ns(now_ns, self._t_ns) * 1e-9
-        if self._watch.mean is None or age_s > FRESH_S or self._for_us:
-            return False
-        return by_heading or self._are_apart
+    def speaks(self, now_ns: int) -> bool:
+        """Whether the magnetometer has a say: a reading has come lately, and both attitudes have agreed before."""
+        return self._watch.mean is not None and wrapped_difference_ns(now_ns, self._t_ns) * 1e-9 <= FRESH_S
 
     @property
-    def tells_no_heading(self) -> bool:
-        """Whether the headings have never agreed, and nothing but the velocity, or iron, can have led to ours.
-
-        There has been no reading of the field, or one that cannot be the Earth's. From an unknown heading the velocity
-        can lead to a wrong one, off by up to half a turn, which a linear covariance does not show.
-        """
-        return not self._has_agreed and (self._t_ns < 0 or self._is_foreign)
-
-    @property
-    def _are_apart(self) -> bool:
+    def shows_difference(self) -> bool:
+        """Whether both attitudes level its newest reading to directions that are apart."""
         return norm(sub(self._theirs, self._ours)) > max(APART_LEAST, APART_USUALS * self._watch.usual)
 
     def _follow_jump(self, ours: Vec3, theirs: Vec3) -> None:

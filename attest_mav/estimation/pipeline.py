@@ -269,8 +269,8 @@ class Pipeline:
                 witness = self._witness
                 if witness is None:
                     return [*self._check.take_estimate(event)]
-                field = witness.field_reading
-                return [*self._check.take_estimate(event, witness.members, doubts=witness.doubts, field=field)]
+                readings = witness.compasses.newest
+                return [*self._check.take_estimate(event, witness.members, doubts=witness.doubts, readings=readings)]
         self.estimate = None
         self._check.judge.forget_estimate()
         return []

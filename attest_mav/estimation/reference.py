@@ -3,7 +3,7 @@
 from typing import Final
 
 from attest_mav.algebra import norm, tilt_between
-from attest_mav.estimation.field_evidence import FieldEvidence
+from attest_mav.estimation.field_support import FieldSupport
 from attest_mav.estimation.offset import OffsetMonitor
 from attest_mav.estimation.timebase import wrapped_difference_ns
 from attest_mav.samples import AttitudeSample
@@ -26,7 +26,7 @@ class Reference:
 
     def __init__(self, offset: OffsetMonitor) -> None:
         self.offset: Final = offset
-        self.field: Final = FieldEvidence()
+        self.field: Final = FieldSupport()
         """The magnetic field as evidence between these attitudes and ours."""
         self.evidence_s = 0.0
         """Time for which all of our attitudes were contradicted, less the time for which they were not, s."""

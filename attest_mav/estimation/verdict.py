@@ -10,7 +10,7 @@ must not fit the autopilot's attitude as well as ours: gyros that are off alike 
 rest, with the reason.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import nan, radians
 from typing import Final
@@ -81,7 +81,7 @@ class Judge:
         self._pairing: Final = Pairing()
         self._members: tuple[Member, ...] = ()
         self._doubts = False
-        self._field: FieldReading | None = None
+        self._readings: Mapping[str, FieldReading] = {}
         self._sources: dict[str, Reference] = {}
 
     def take_estimate(
@@ -90,16 +90,16 @@ class Judge:
         members: Sequence[Member] = (),
         *,
         doubts: bool = False,
-        field: FieldReading | None = None,
+        readings: Mapping[str, FieldReading] | None = None,
     ) -> list[Verdict]:
         """Remember the newest estimate, and the attitudes beside it that are not refuted; verdicts that waited.
 
         doubts: neither agreement nor disagreement can be said at present; evidence is collected all the same.
-        field: the newest reading of the magnetometer, None without one.
+        readings: the newest one of each magnetometer, by the name of its inertial message; None without any.
         """
         self._members = tuple(members)
         self._doubts = doubts
-        self._field = field
+        self._readings = {} if readings is None else readings
         return [self._weigh(reference) for reference in self._pairing.take(estimate)]
 
     def forget_estimate(self) -> None:
@@ -157,8 +157,7 @@ class Judge:
         agree = differences[0].is_near and not (differences[0].is_off or self._doubts)
         if agree and is_finite_number(differences[0].heading):
             source.field.note_agreement()
-        if self._field is not None:
-            source.field.take(self._field, q_mul(theirs, q_conj(carried.q_nb)), agree)
+        source.field.take(self._readings, q_mul(theirs, q_conj(carried.q_nb)), agree, sample.t_ns)
         frozen = source.is_frozen(estimate.rates)
         all_off = frozen or all(one.is_off for one in differences)
         may_be_trim = not sample.frame_known and source.offset.may_be_trim(differences[0].tilt)
@@ -180,7 +179,7 @@ class Judge:
         first = differences[0]
         off = offence or next((one.reason for one in differences if one.is_off), "")
         by_heading = offence != "" or not first.heading_is_near
-        by_velocity = estimate.sigma_is_proven and source.field.tells_no_heading
+        by_velocity = estimate.sigma_is_proven and source.field.tells_no_heading(estimate.lane)
         unproven = by_velocity and offence == "" and not first.heading_is_near
         forbidden = unproven or source.field.forbids(sample.t_ns, by_heading)
         unsupported = source.disagrees and off != "" and forbidden

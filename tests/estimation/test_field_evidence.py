@@ -5,7 +5,8 @@ from math import cos, radians, sin
 import pytest
 
 from attest_mav.algebra import add, q_exp, rotate, unit
-from attest_mav.estimation.field_evidence import FieldEvidence, FieldReading
+from attest_mav.estimation.field_evidence import FieldReading
+from attest_mav.estimation.field_support import FieldSupport
 
 FIELD = unit((0.24, 0.0, -0.5))
 S = 1_000_000_000
@@ -17,13 +18,20 @@ def turn(degrees_of):
     return q_exp(tuple(0.5 * radians(angle) for angle in degrees_of))
 
 
-class Readings:
-    """Readings of a field that stays, with attitudes of both sides that are off; 3 s in which both are right first."""
+LANE = "RAW_IMU"
+SECOND = "SCALED_IMU2"
 
-    def __init__(self):
-        self.evidence = FieldEvidence()
+
+class Readings:
+    """Readings of a field that stays, with attitudes of both sides that are off; 3 s in which both are right first.
+
+    second: of another magnetometer, None without one; each one's field is in NED by a right attitude.
+    """
+
+    def __init__(self, second=None):
+        self.evidence = FieldSupport()
         self.tenths = 0
-        self.field = FIELD
+        self.fields = {LANE: FIELD} if second is None else {LANE: FIELD, SECOND: second}
         self.go_on(3.0, agree=True)
 
     def go_on(self, seconds, ours=LEVEL, theirs=LEVEL, agree=False):
@@ -33,8 +41,9 @@ class Readings:
         assert rotate(between, rotate(ours_q, FIELD)) == pytest.approx(rotate(theirs_q, FIELD))
         for _ in range(round(10 * seconds)):
             self.tenths += 1
-            reading = FieldReading(self.field, LEVEL, ours_q, self.tenths * S // 10)
-            self.evidence.take(reading, between, agree)
+            now_ns = self.tenths * S // 10
+            readings = {name: FieldReading(field, LEVEL, ours_q, now_ns) for name, field in self.fields.items()}
+            self.evidence.take(readings, between, agree, now_ns)
 
     def forbids(self, by_heading=True, later_s=0.0):
         return self.evidence.forbids(self.tenths * S // 10 + round(later_s * S), by_heading)
@@ -66,7 +75,7 @@ def test_a_tilt_that_the_field_does_not_show_needs_no_support():
 
 def test_a_magnetometer_that_changes_at_once_speaks_for_nobody():
     readings = Readings()
-    readings.field = add(FIELD, (0.0, 0.2, 0.0))
+    readings.fields[LANE] = add(FIELD, (0.0, 0.2, 0.0))
     readings.go_on(0.5, agree=True)
     readings.go_on(1.0, theirs=(0.0, 0.0, 10.0))
     assert not readings.forbids()
@@ -80,7 +89,7 @@ def test_the_evidence_follows_when_the_other_side_goes_wrong():
 
 
 def test_without_readings_the_field_forbids_nothing():
-    assert not FieldEvidence().forbids(0, by_heading=True)
+    assert not FieldSupport().forbids(0, by_heading=True)
     readings = Readings()
     readings.go_on(1.0, ours=(0.0, 0.0, 8.0))
     assert readings.forbids(later_s=1.0)
@@ -92,26 +101,60 @@ def test_without_readings_the_field_forbids_nothing():
 )
 def test_a_heading_that_never_agreed_counts_only_in_a_field_that_can_be_the_earths(dip_deg, earths_deg, tells_none):
     field = (0.5 * cos(radians(dip_deg)), 0.0, 0.5 * sin(radians(dip_deg)))
-    evidence = FieldEvidence()
+    evidence = FieldSupport()
     level, apart = (1.0, 0.0, 0.0, 0.0), turn((0.0, 0.0, 40.0))
     for k in range(1, 50):
-        evidence.take(FieldReading(field, (0.0, 0.0, 0.0), level, k * S // 10, radians(earths_deg)), apart, agree=False)
-    assert evidence.tells_no_heading is tells_none
+        reading = FieldReading(field, (0.0, 0.0, 0.0), level, k * S // 10, radians(earths_deg))
+        evidence.take({LANE: reading}, apart, False, reading.t_ns)
+    assert evidence.tells_no_heading(LANE) is tells_none
     unknown = FieldReading(field, (0.0, 0.0, 0.0), level, 6 * S)
-    evidence.take(unknown, apart, agree=False)
-    assert not evidence.tells_no_heading
+    evidence.take({LANE: unknown}, apart, False, unknown.t_ns)
+    assert not evidence.tells_no_heading(LANE)
 
 
 def test_without_a_reading_a_heading_counts_once_it_has_agreed():
-    evidence = FieldEvidence()
-    assert evidence.tells_no_heading
+    evidence = FieldSupport()
+    assert evidence.tells_no_heading(LANE)
     evidence.note_agreement()
-    assert not evidence.tells_no_heading
+    assert not evidence.tells_no_heading(LANE)
 
 
 def test_headings_that_agreed_once_are_compared_in_any_field():
     readings = Readings()
     readings.evidence.note_agreement()
     foreign = FieldReading((0.5, 0.0, 0.0), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), 9 * S, radians(70.0))
-    readings.evidence.take(foreign, turn((0.0, 0.0, 40.0)), agree=False)
-    assert not readings.evidence.tells_no_heading
+    readings.evidence.take({LANE: foreign}, turn((0.0, 0.0, 40.0)), False, foreign.t_ns)
+    assert not readings.evidence.tells_no_heading(LANE)
+
+
+OFF = (0.0, 0.0, 8.0)
+FOLLOWS_OURS = rotate(turn((0.0, 0.0, -8.0)), FIELD)
+"""The field by a magnetometer that has led our heading away by as much as ``OFF``."""
+
+
+def test_a_magnetometer_that_leads_our_heading_away_accuses_nobody_beside_another_one():
+    alone, both = Readings(), Readings(second=FIELD)
+    for readings in (alone, both):
+        readings.fields[LANE] = FOLLOWS_OURS
+        readings.go_on(3.0, ours=OFF)
+    assert not alone.forbids()
+    assert both.forbids()
+
+
+def test_a_magnetometer_that_has_fallen_silent_has_no_say():
+    readings = Readings(second=FIELD)
+    readings.fields[LANE] = FOLLOWS_OURS
+    readings.go_on(3.0, ours=OFF)
+    del readings.fields[SECOND]
+    readings.go_on(1.0, ours=OFF)
+    assert readings.forbids()
+    readings.go_on(1.0, ours=OFF)
+    assert not readings.forbids()
+
+
+def test_the_evidence_of_two_magnetometers_adds_up():
+    alone, both = Readings(), Readings(second=FIELD)
+    for readings in (alone, both):
+        readings.go_on(2.0, theirs=(0.0, 0.0, 1.0))
+    assert alone.forbids()
+    assert not both.forbids()

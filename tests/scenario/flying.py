@@ -79,12 +79,23 @@ def corrected(vehicle, sample):
 
 
 def fly(
-    until_s, filter_name="gradient-descent", faults=(), *, right=False, armed=False, heard=None, meddle=None, **choices
+    until_s,
+    filter_name="gradient-descent",
+    faults=(),
+    *,
+    right=False,
+    armed=False,
+    heard=None,
+    meddle=None,
+    others=(),
+    calibrations=None,
+    **choices,
 ):
     """One flight: advance to whichever deadline is next, the vehicle's or the pipeline's.
 
     right: the autopilot's attitudes are the truth, whatever misleads it. armed: a vehicle that stands is armed too.
     heard: a sample as it is heard, or None. meddle: called with the pipeline and the time, ns, after every deadline.
+    others: names of further inertial streams. calibrations: errors of sensors by earlier flights, by stream.
     """
     settings = SimSettings(**({"fast_rate_hz": 50.0} | choices), faults=parse_faults(faults))
     dialect = load_dialect()
@@ -92,7 +103,8 @@ def fly(
     vehicle.trajectory.flies = vehicle.trajectory.flies or armed
     decoder = Decoder(dialect)
     framer = Framer(dialect, decoder.wanted)
-    pipeline = Pipeline(PipelineSettings(), default_filter(filter_name), [SOURCES[settings.personality]])
+    pipeline = Pipeline(PipelineSettings(), default_filter(filter_name), [SOURCES[settings.personality], *others])
+    pipeline.vehicle.calibrations = calibrations or {}
     pipeline.set_vehicle_settings(facts_of_firmware(vehicle.personality.autopilot, vehicle.trajectory.vehicle_type))
     pipeline.set_field(EarthField(radians(settings.earth.declination_deg), radians(settings.earth.inclination_deg)))
     flight = Flight(vehicle)

@@ -21,8 +21,8 @@ from attest_mav.estimation.witness.flight_state import (
 )
 from attest_mav.estimation.witness.lane_watch import LaneWatch
 
-REFUTING_SIGMAS: Final = 4.0
-"""Of the difference, an axis."""
+REFUTING_SQUARE: Final = 21.1
+"""Chi-square of three axes that chance exceeds once in 10,000."""
 
 
 def follow_scale(pair: LanePair) -> None:
@@ -34,12 +34,13 @@ def follow_scale(pair: LanePair) -> None:
     difference = pair.longer.difference()
     excess = sub(difference.accel, sub(accel_bias(a), accel_bias(b)))
     first, second = accel_bias_variance(a), accel_bias_variance(b)
+    chi_square = 0.0
     for axis in range(3):
         noise = square(difference.accel_scatter[axis]) / difference.count
-        if square(excess[axis]) > square(REFUTING_SIGMAS) * (first[axis] + second[axis] + noise):
-            _forget_calibration(pair.first)
-            _forget_calibration(pair.second)
-            break
+        chi_square += square(excess[axis]) / (first[axis] + second[axis] + noise)
+    if chi_square > REFUTING_SQUARE:
+        _forget_calibration(pair.first)
+        _forget_calibration(pair.second)
     usual = square(one.parameters.accel_bias_sigma)
     added = (3.0 * usual + 0.5 * dot(excess, excess)) / 6.0 - usual
     for lane in (pair.first, pair.second):

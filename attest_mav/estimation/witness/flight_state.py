@@ -81,17 +81,20 @@ def field_direction(state: FilterState, sample: ImuSample) -> Vec3 | None:
     return levelled_field(navigation.estimate, field, rate, navigation.assumed_declination).direction
 
 
-def field_reading(state: FilterState, sample: ImuSample, inclination: float) -> FieldReading | None:
-    """The sample's reading with the attitude at its time, None without a reading or an attitude.
+def field_reading(
+    state: FilterState, sample: ImuSample, hard_iron: Vec3, apart_s: float, inclination: float
+) -> FieldReading | None:
+    """The sample's reading with the state's attitude at its time, None without a reading or an attitude.
 
-    inclination: of the Earth's field, rad, NaN where it is not known.
+    hard_iron: of the reading, gauss. apart_s: from the state to the sample, s. inclination: of the Earth's field, rad,
+    NaN where it is not known.
     """
     navigation, field = navigation_of(state), field_of(sample)
     if navigation is None or field is None:
         return None
     nav = navigation.estimate
-    back = scale(body_rate(nav, navigation.imu.gyro), -0.5 * nav.mag_lag_s)
-    return FieldReading(field, nav.hard_iron, q_mul(nav.q_nb, q_exp(back)), sample.t_ns, inclination)
+    turn = scale(body_rate(nav, navigation.imu.gyro), 0.5 * (apart_s - nav.mag_lag_s))
+    return FieldReading(field, hard_iron, q_mul(nav.q_nb, q_exp(turn)), sample.t_ns, inclination)
 
 
 def has_field_reading(state: FilterState) -> bool:
@@ -119,6 +122,12 @@ def is_calibrated(state: FilterState) -> bool:
     """True while the filter goes on from sensor errors of earlier flights."""
     navigation = navigation_of(state)
     return navigation is not None and navigation.begun_with is not None
+
+
+def hard_iron(state: FilterState) -> Vec3:
+    """Bias of the magnetometer by the filter, gauss; zero while it aligns."""
+    navigation = navigation_of(state)
+    return (0.0, 0.0, 0.0) if navigation is None else navigation.estimate.hard_iron
 
 
 def velocity_of(state: FilterState) -> Vec3:

@@ -9,8 +9,8 @@ from typing import Final
 
 from attest_mav.estimation.difference import Member
 from attest_mav.estimation.events import LaneEvent, LaneEventKind
-from attest_mav.estimation.field_evidence import FieldReading
 from attest_mav.estimation.witness.bias_scale import follow_scale
+from attest_mav.estimation.witness.compass_readings import CompassReadings
 from attest_mav.estimation.witness.dispute import LanePair
 from attest_mav.estimation.witness.doubt import Doubt
 from attest_mav.estimation.witness.flight_state import accel_bias, on_another_sensor
@@ -43,6 +43,8 @@ class Witness:
         """The other attitudes of the set, beside the selected lane's newest one."""
         self.publishes = False
         """Whether nothing contradicts the selected attitude, so that it may be published."""
+        self.compasses: Final = CompassReadings()
+        """The newest readings of all magnetometers."""
         self._lanes: Final[dict[str, LaneWatch]] = {}
         self._pairs: Final[list[LanePair]] = []
         self._doubt: Final = Doubt()
@@ -53,12 +55,6 @@ class Witness:
     def doubts(self) -> bool:
         """True while neither agreement nor disagreement can be said."""
         return self._doubted
-
-    @property
-    def field_reading(self) -> FieldReading | None:
-        """The newest reading of the selected lane's magnetometer, None before the first."""
-        lane = self._lanes.get(self.selected)
-        return None if lane is None else lane.field_reading
 
     def fault_of(self, name: str) -> str:
         """Why this lane stands aside, "" while it does not."""
@@ -84,6 +80,7 @@ class Witness:
         self._compare(lane, moment, events)
         self._select()
         selected = self._lanes[self.selected]
+        self.compasses.take(lane, selected)
         if lane is selected and lane.standing == Standing.GOOD:
             disputed = any(pair.dispute is not None for pair in self._pairs)
             good = self._good()

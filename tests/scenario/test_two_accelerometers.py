@@ -1,0 +1,56 @@
+"""The accelerometers of two sensors that stand side by side before a flight show the scale of their biases."""
+
+import pytest
+
+from attest_mav.algebra import add, scale
+from attest_mav.estimation.events import LaneEventKind
+from attest_mav.filters.calibration import SensorCalibration, UncertainVector
+from attest_mav.matrices import diagonal
+from attest_mav.samples import ImuSample
+
+from .flying import fly
+
+FIRST, SECOND = "RAW_IMU", "SCALED_IMU2"
+ZERO = (0.0, 0.0, 0.0)
+BIAS = (0.2, -0.2, 0.2)
+KNOWN = SensorCalibration(UncertainVector(ZERO, diagonal(1e-4)), UncertainVector(ZERO, diagonal(1e-6)))
+
+
+def biased(first, second):
+    """Samples whose accelerometers read more by so many times ``BIAS``."""
+    more = {FIRST: scale(BIAS, first), SECOND: scale(BIAS, second)}
+
+    def heard(sample):
+        if isinstance(sample, ImuSample):
+            return sample.with_readings(sample.gyro, add(sample.accel, more[sample.source]), sample.mag)
+        return sample
+
+    return heard
+
+
+def stands(heard, calibrations):
+    """Twelve seconds on the ground."""
+    others = {"others": (SECOND,), "calibrations": calibrations}
+    return fly(12.0, "velocity-aided", scenario="still", heard=heard, fast_rate_hz=25.0, **others)
+
+
+def kinds(flight, kind):
+    return {event.lane for event in flight.lane_events if event.kind == kind}
+
+
+@pytest.mark.parametrize("errors", [(0.0, 1.0), (1.0, 0.0)])
+def test_one_of_two_calibrations_that_does_not_hold_any_more_refutes_both_on_the_ground(errors):
+    """An accelerometer was calibrated anew, and reads 0.35 m/s^2 more than it did."""
+    flight = stands(biased(*errors), {FIRST: KNOWN, SECOND: KNOWN})
+    assert kinds(flight, LaneEventKind.CALIBRATED) == {FIRST, SECOND}
+    assert kinds(flight, LaneEventKind.UNCALIBRATED) == {FIRST, SECOND}
+    # 0.28 m/s^2 are 1.7 degrees.
+    worst, _ = max(flight.normalised(from_s=8.0))
+    assert worst < 2.5
+
+
+@pytest.mark.parametrize("errors", [(0.0, 0.0), (1.0, 1.0)])
+def test_two_calibrations_that_explain_the_difference_hold(errors):
+    flight = stands(biased(*errors), {FIRST: KNOWN, SECOND: KNOWN})
+    assert kinds(flight, LaneEventKind.CALIBRATED) == {FIRST, SECOND}
+    assert kinds(flight, LaneEventKind.UNCALIBRATED) == set()
