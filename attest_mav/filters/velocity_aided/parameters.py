@@ -82,7 +82,7 @@ class FlightParameters(Record):
     """1. Share of the gyro's second difference that may have been missed between two samples far apart; the low-pass
     takes its part from samples that are near (``aliased_share``). This noise keeps sigma true at 4 Hz; too small and a
     fast manoeuvre between samples goes unnoticed."""
-    accel_aliasing: float = 0.1
+    accel_aliasing: float = 0.09
     """1. The same for the accelerometer, axis by axis, whatever the low-pass: vibration has an axis."""
     aliasing_hold_s: float = 0.5
     """s. Time constant with which the largest second difference decays, or eight steps where these are longer."""

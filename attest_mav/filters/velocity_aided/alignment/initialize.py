@@ -37,7 +37,7 @@ def first_navigation(
     bias: Vec3,
     declination: float,
     parameters: FlightParameters,
-    calibration: SensorCalibration | None,
+    calibration: SensorCalibration | None = None,
 ) -> Navigation:
     """The first navigation, at the reading of ``t_ns``.
 
