@@ -81,19 +81,19 @@ def field_direction(state: FilterState, sample: ImuSample) -> Vec3 | None:
 
 
 def field_reading(
-    state: FilterState, sample: ImuSample, hard_iron: Vec3, apart_s: float, inclination: float
+    lane: str, state: FilterState, sample: ImuSample, hard_iron: Vec3, apart_s: float, inclination: float
 ) -> FieldReading | None:
-    """The sample's reading with the state's attitude at its time, None without a reading or an attitude.
+    """The sample's reading with the attitude of a lane at its time, None without a reading or an attitude.
 
-    hard_iron: of the reading, gauss. apart_s: from the state to the sample, s. inclination: of the Earth's field, rad,
-    NaN where it is not known.
+    hard_iron: of the reading, gauss. apart_s: from the lane's state to the sample, s. inclination: of the Earth's
+    field, rad, NaN where it is not known.
     """
     navigation, field = navigation_of(state), field_of(sample)
     if navigation is None or field is None:
         return None
     nav = navigation.estimate
     turn = scale(body_rate(nav, navigation.imu.gyro), 0.5 * (apart_s - nav.mag_lag_s))
-    return FieldReading(field, hard_iron, q_mul(nav.q_nb, q_exp(turn)), sample.t_ns, inclination)
+    return FieldReading(field, hard_iron, lane, q_mul(nav.q_nb, q_exp(turn)), sample.t_ns, inclination)
 
 
 def has_field_reading(state: FilterState) -> bool:

@@ -188,7 +188,7 @@ class LaneWatch(Stepper):
         direction = field_direction(state, sample) if has_field_reading(state) else None
         if direction is not None:
             self.field.take(direction, sample.t_ns, self.situation.calm)
-            self.field_reading = field_reading(state, sample, hard_iron(state), 0.0, inclination)
+            self.field_reading = field_reading(self.name, state, sample, hard_iron(state), 0.0, inclination)
 
 
 def _with_velocity(inputs: FilterInputs, velocity: VelocitySample | None) -> FilterInputs:
