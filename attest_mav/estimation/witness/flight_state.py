@@ -151,11 +151,17 @@ def with_delay_variance(one: VelocityAided, state: FilterState, variance: float)
 
 
 def on_another_sensor(
-    one: VelocityAided, state: FilterState, gyro_offset: Vec3, accel_offset: Vec3, bias_variance: float
+    one: VelocityAided,
+    state: FilterState,
+    gyro_offset: Vec3,
+    accel_offset: Vec3,
+    iron: Vec3,
+    bias_variance: float,
 ) -> FilterState:
     """The state as another inertial sensor goes on from it, which reads more by these offsets, rad/s and m/s^2.
 
-    bias_variance: of the remaining gyro bias, (rad/s)^2.
+    iron: hard iron of that sensor's own magnetometer, gauss, which is as uncertain as at the start. bias_variance: of
+    the remaining gyro bias, (rad/s)^2.
     """
     navigation = navigation_of(state)
     if navigation is None:
@@ -167,12 +173,12 @@ def on_another_sensor(
         add(nav.gyro_bias, gyro_offset),
         nav.gyro_scale,
         add(nav.accel_bias, accel_offset),
-        nav.hard_iron,
+        iron,
         nav.mag_lag_s,
         nav.fix_lag_s,
         nav.declination_error,
         nav.covariance,
-    )
+    ).decoupled(ErrorBlock.HARD_IRON, one.parameters.hard_iron**2)
     variance = (bias_variance, bias_variance, bias_variance)
     return _with_estimate(one, state, moved.with_added_variance(ErrorBlock.GYRO_BIAS, variance))
 
