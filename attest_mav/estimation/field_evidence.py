@@ -36,13 +36,16 @@ APART_LEAST: Final = 0.012
 class FieldReading(Record):
     """One reading of a magnetometer, with what our filter made of it.
 
-    field: in the body, gauss. hard_iron: of it by its filter, gauss. q_nb: our attitude at its instant, t_ns.
-    inclination: of the Earth's field at the place, rad, NaN where it is not known.
+    field: in the body, gauss. hard_iron: of it by its filter, gauss. lane: the one whose attitude q_nb is, at the
+    reading's instant t_ns. inclination: of the Earth's field at the place, rad, NaN where it is not known.
     """
 
-    def __init__(self, field: Vec3, hard_iron: Vec3, q_nb: Quat, t_ns: int, inclination: float = nan) -> None:
+    def __init__(
+        self, field: Vec3, hard_iron: Vec3, lane: str, q_nb: Quat, t_ns: int, inclination: float = nan
+    ) -> None:
         self.field: Final = field
         self.hard_iron: Final = hard_iron
+        self.lane: Final = lane
         self.q_nb: Final = q_nb
         self.t_ns: Final = t_ns
         self.inclination: Final = inclination

@@ -28,12 +28,14 @@ class FieldSupport:
         """Tilt and heading of both are near, with or without a reading of the field."""
         self._has_agreed = True
 
-    def take(self, readings: Mapping[str, FieldReading], turn: Quat, agree: bool, now_ns: int) -> None:
-        """Take the newest reading of each magnetometer.
+    def take(self, readings: Mapping[str, FieldReading], lane: str, turn: Quat, agree: bool, now_ns: int) -> None:
+        """Take the newest reading of each magnetometer; those beside the attitude of another lane tell nothing.
 
-        turn: NED rotation from our attitude to the autopilot's. agree: they are near.
+        turn: NED rotation from this lane's attitude to the autopilot's. agree: they are near.
         """
         for name, reading in readings.items():
+            if reading.lane != lane:
+                continue
             evidence = self._compasses.get(name)
             if evidence is None:
                 evidence = self._compasses[name] = FieldEvidence()

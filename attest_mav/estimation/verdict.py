@@ -157,7 +157,8 @@ class Judge:
         agree = differences[0].is_near and not (differences[0].is_off or self._doubts)
         if agree and is_finite_number(differences[0].heading):
             source.field.note_agreement()
-        source.field.take(self._readings, q_mul(theirs, q_conj(carried.q_nb)), agree, sample.t_ns)
+        turn = q_mul(theirs, q_conj(carried.q_nb))
+        source.field.take(self._readings, estimate.lane, turn, agree, sample.t_ns)
         frozen = source.is_frozen(estimate.rates)
         all_off = frozen or all(one.is_off for one in differences)
         may_be_trim = not sample.frame_known and source.offset.may_be_trim(differences[0].tilt)

@@ -25,10 +25,12 @@ SECOND = "SCALED_IMU2"
 class Readings:
     """Readings of a field that stays, with attitudes of both sides that are off; 3 s in which both are right first.
 
-    second: of another magnetometer, None without one; each one's field is in NED by a right attitude.
+    second: of another magnetometer, None without one; each one's field is in NED by a right attitude. lane: the one
+    whose attitude levels the readings.
     """
 
     def __init__(self, second=None):
+        self.lane = LANE
         self.evidence = FieldSupport()
         self.tenths = 0
         self.fields = {LANE: FIELD} if second is None else {LANE: FIELD, SECOND: second}
@@ -42,8 +44,10 @@ class Readings:
         for _ in range(round(10 * seconds)):
             self.tenths += 1
             now_ns = self.tenths * S // 10
-            readings = {name: FieldReading(field, LEVEL, ours_q, now_ns) for name, field in self.fields.items()}
-            self.evidence.take(readings, between, agree, now_ns)
+            readings = {
+                name: FieldReading(field, LEVEL, self.lane, ours_q, now_ns) for name, field in self.fields.items()
+            }
+            self.evidence.take(readings, LANE, between, agree, now_ns)
 
     def forbids(self, by_heading=True, later_s=0.0):
         return self.evidence.forbids(self.tenths * S // 10 + round(later_s * S), by_heading)
@@ -104,11 +108,11 @@ def test_a_heading_that_never_agreed_counts_only_in_a_field_that_can_be_the_eart
     evidence = FieldSupport()
     level, apart = (1.0, 0.0, 0.0, 0.0), turn((0.0, 0.0, 40.0))
     for k in range(1, 50):
-        reading = FieldReading(field, (0.0, 0.0, 0.0), level, k * S // 10, radians(earths_deg))
-        evidence.take({LANE: reading}, apart, False, reading.t_ns)
+        reading = FieldReading(field, LEVEL, LANE, level, k * S // 10, radians(earths_deg))
+        evidence.take({LANE: reading}, LANE, apart, False, reading.t_ns)
     assert evidence.tells_no_heading(LANE) is tells_none
-    unknown = FieldReading(field, (0.0, 0.0, 0.0), level, 6 * S)
-    evidence.take({LANE: unknown}, apart, False, unknown.t_ns)
+    unknown = FieldReading(field, LEVEL, LANE, level, 6 * S)
+    evidence.take({LANE: unknown}, LANE, apart, False, unknown.t_ns)
     assert not evidence.tells_no_heading(LANE)
 
 
@@ -122,8 +126,8 @@ def test_without_a_reading_a_heading_counts_once_it_has_agreed():
 def test_headings_that_agreed_once_are_compared_in_any_field():
     readings = Readings()
     readings.evidence.note_agreement()
-    foreign = FieldReading((0.5, 0.0, 0.0), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), 9 * S, radians(70.0))
-    readings.evidence.take({LANE: foreign}, turn((0.0, 0.0, 40.0)), False, foreign.t_ns)
+    foreign = FieldReading((0.5, 0.0, 0.0), LEVEL, LANE, (1.0, 0.0, 0.0, 0.0), 9 * S, radians(70.0))
+    readings.evidence.take({LANE: foreign}, LANE, turn((0.0, 0.0, 40.0)), False, foreign.t_ns)
     assert not readings.evidence.tells_no_heading(LANE)
 
 
@@ -158,3 +162,12 @@ def test_the_evidence_of_two_magnetometers_adds_up():
         readings.go_on(2.0, theirs=(0.0, 0.0, 1.0))
     assert alone.forbids()
     assert not both.forbids()
+
+
+def test_readings_levelled_by_another_lane_than_the_one_compared_tell_nothing():
+    same, other = Readings(), Readings()
+    other.lane = SECOND
+    for readings in (same, other):
+        readings.go_on(3.0, ours=OFF)
+    assert same.forbids()
+    assert not other.forbids()

@@ -4,11 +4,11 @@ The accelerometer of the first sensor is stuck, so the second sensor's lane is t
 magnetometer. The first magnetometer goes on.
 """
 
-from math import inf, radians
+from math import degrees, inf, radians
 
 import pytest
 
-from attest_mav.algebra import add, q_heading, q_mul, scale
+from attest_mav.algebra import add, heading_between, q_heading, q_mul, scale
 from attest_mav.samples import AttitudeSample, ImuSample
 
 from .flying import fly
@@ -19,6 +19,10 @@ FAULT_S = 20.0
 IRON = (0.0, 0.1, 0.0)
 """gauss: what comes near the second magnetometer within 10 s."""
 STUCK = (5.0, 5.0, 5.0)
+CALIBRATION = (0.0, 0.05, 0.0)
+"""gauss: error of the second magnetometer's calibration."""
+BACK_S = 13.0
+"""The first sensor is in order from 9 s on, and used again."""
 
 
 def first_stuck(sample):
@@ -66,3 +70,28 @@ def test_a_right_autopilot_is_not_accused_of_its_heading_by_one_of_two_magnetome
 def test_an_autopilot_whose_heading_drifts_away_from_both_is_accused():
     flight = flown(25.0, "square", autopilot_drifts, right=False)
     assert FAULT_S < flight.first_disagreement_s() < FAULT_S + 2.5
+
+
+def briefly_stuck(sample):
+    """The first accelerometer is stuck from 6 to 9 s; the second magnetometer is off throughout."""
+    if not isinstance(sample, ImuSample):
+        return sample
+    if sample.source == SECOND and sample.mag is not None:
+        return sample.with_readings(sample.gyro, sample.accel, add(sample.mag, CALIBRATION))
+    if sample.source == FIRST and 6.0 <= sample.t_ns * 1e-9 < 9.0:
+        return sample.with_readings(sample.gyro, STUCK, sample.mag)
+    return sample
+
+
+def test_a_sensor_that_is_used_again_follows_its_own_magnetometer():
+    flight = flown(13.2, "square", briefly_stuck, right=True)
+    headings = {
+        lane: [
+            abs(degrees(heading_between(one.q_nb, flight.vehicle.truth(one.t_ns).q_nb)))
+            for one in flight.estimates
+            if one.lane == lane and one.t_ns >= BACK_S * 1e9
+        ]
+        for lane in (FIRST, SECOND)
+    }
+    assert min(headings[SECOND]) > 7.0
+    assert max(headings[FIRST]) < 5.5

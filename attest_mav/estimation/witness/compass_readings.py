@@ -53,7 +53,8 @@ class CompassReadings:
             if 0 <= since_ns < (REPEAT_NS if is_same else SPACING_NS):
                 return None
         apart_s = (moment.t_ns - beside.t_ns) * 1e-9
-        return field_reading(beside.state, moment.sample, hard_iron(lane.state), apart_s, moment.inputs.inclination)
+        iron, inclination = hard_iron(lane.state), moment.inputs.inclination
+        return field_reading(selected.name, beside.state, moment.sample, iron, apart_s, inclination)
 
 
 def _own(selected: LaneWatch) -> FieldReading | None:

@@ -82,19 +82,19 @@ def field_direction(state: FilterState, sample: ImuSample) -> Vec3 | None:
 
 
 def field_reading(
-    state: FilterState, sample: ImuSample, hard_iron: Vec3, apart_s: float, inclination: float
+    lane: str, state: FilterState, sample: ImuSample, hard_iron: Vec3, apart_s: float, inclination: float
 ) -> FieldReading | None:
-    """The sample's reading with the state's attitude at its time, None without a reading or an attitude.
+    """The sample's reading with the attitude of a lane at its time, None without a reading or an attitude.
 
-    hard_iron: of the reading, gauss. apart_s: from the state to the sample, s. inclination: of the Earth's field, rad,
-    NaN where it is not known.
+    hard_iron: of the reading, gauss. apart_s: from the lane's state to the sample, s. inclination: of the Earth's
+    field, rad, NaN where it is not known.
     """
     navigation, field = navigation_of(state), field_of(sample)
     if navigation is None or field is None:
         return None
     nav = navigation.estimate
     turn = scale(body_rate(nav, navigation.imu.gyro), 0.5 * (apart_s - nav.mag_lag_s))
-    return FieldReading(field, hard_iron, q_mul(nav.q_nb, q_exp(turn)), sample.t_ns, inclination)
+    return FieldReading(field, hard_iron, lane, q_mul(nav.q_nb, q_exp(turn)), sample.t_ns, inclination)
 
 
 def has_field_reading(state: FilterState) -> bool:
@@ -186,11 +186,17 @@ def without_calibration(one: VelocityAided, state: FilterState) -> FilterState:
 
 
 def on_another_sensor(
-    one: VelocityAided, state: FilterState, gyro_offset: Vec3, accel_offset: Vec3, bias_variance: float
+    one: VelocityAided,
+    state: FilterState,
+    gyro_offset: Vec3,
+    accel_offset: Vec3,
+    iron: Vec3,
+    bias_variance: float,
 ) -> FilterState:
     """The state as another inertial sensor goes on from it, which reads more by these offsets, rad/s and m/s^2.
 
-    bias_variance: of the remaining gyro bias, (rad/s)^2.
+    iron: hard iron of that sensor's own magnetometer, gauss, which is as uncertain as at the start. bias_variance: of
+    the remaining gyro bias, (rad/s)^2.
     """
     navigation = navigation_of(state)
     if navigation is None:
@@ -202,12 +208,12 @@ def on_another_sensor(
         add(nav.gyro_bias, gyro_offset),
         nav.gyro_scale,
         add(nav.accel_bias, accel_offset),
-        nav.hard_iron,
+        iron,
         nav.mag_lag_s,
         nav.fix_lag_s,
         nav.declination_error,
         nav.covariance,
-    )
+    ).decoupled(ErrorBlock.HARD_IRON, one.parameters.hard_iron**2)
     variance = (bias_variance, bias_variance, bias_variance)
     moved = moved.with_added_variance(ErrorBlock.GYRO_BIAS, variance)
     return one.with_estimate(cast("VelocityAidedState", state), moved, is_same_sensor=False)

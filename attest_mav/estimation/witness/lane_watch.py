@@ -61,6 +61,8 @@ class LaneWatch(Stepper):
         self.gyro_bias: Vec3 = (0.0, 0.0, 0.0)
         self.accel_bias: Vec3 = (0.0, 0.0, 0.0)
         """Biases that its readings are compared with while it stands aside, rad/s and m/s^2."""
+        self.hard_iron: Vec3 = (0.0, 0.0, 0.0)
+        """Of its magnetometer, from which it goes on when it returns, gauss."""
         self.configured: VelocityAided | None = None
         """The filter with the vehicle's settings; None before its first step."""
         self.filter: VelocityAided | None = None
@@ -188,7 +190,7 @@ class LaneWatch(Stepper):
         direction = field_direction(state, sample) if has_field_reading(state) else None
         if direction is not None:
             self.field.take(direction, sample.t_ns, self.situation.calm)
-            self.field_reading = field_reading(state, sample, hard_iron(state), 0.0, inclination)
+            self.field_reading = field_reading(self.name, state, sample, hard_iron(state), 0.0, inclination)
 
 
 def _with_velocity(inputs: FilterInputs, velocity: VelocitySample | None) -> FilterInputs:

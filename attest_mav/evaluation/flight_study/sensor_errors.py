@@ -20,7 +20,7 @@ tells: the fix arrives, and is stamped, later. Airspeed and climb keep what erro
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import atan2, degrees, exp, hypot, radians, sqrt
 from typing import Final
 
@@ -56,11 +56,26 @@ class SensorErrors:
     latency_s: float
 
 
+NO_ERRORS: Final = SensorErrors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 SETS: Final = {
     "good": SensorErrors(radians(0.1), radians(0.2), 0.1, 5 * MILLI_G, 0.002, 0.005, 0.05, 0.05, 0.0),
     "typical": SensorErrors(radians(0.2), radians(0.4), 0.3, 10 * MILLI_G, 0.004, 0.010, 0.1, 0.1, 0.03),
     "poor": SensorErrors(radians(0.5), radians(1.0), 1.0, 30 * MILLI_G, 0.010, 0.025, 0.2, 0.2, 0.08),
 }
+
+_POOR: Final = SETS["poor"]
+ALONE: Final = {
+    "small noise, poor biases": replace(_POOR, gyro=0.0, accel=0.0, mag=0.0, velocity=0.0, velocity_correlated=0.0),
+    "30 mg alone": replace(NO_ERRORS, accel_bias=_POOR.accel_bias),
+    "25 mG of iron alone": replace(NO_ERRORS, hard_iron=_POOR.hard_iron),
+    "poor receiver alone": replace(
+        NO_ERRORS,
+        velocity=_POOR.velocity,
+        velocity_correlated=_POOR.velocity_correlated,
+        latency_s=_POOR.latency_s,
+    ),
+}
+"""Single errors of the poor set: those that noise does not give away are the hardest for a sigma."""
 
 
 def with_sensor_errors(samples: Sequence[Sample], imu: str, *, errors: SensorErrors, seed: int) -> list[Sample]:
