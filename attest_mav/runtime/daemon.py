@@ -24,8 +24,9 @@ from attest_mav.runtime.reporter import Reporter
 from attest_mav.runtime.state_keeper import StateKeeper, state_path
 from attest_mav.service.assembly import service_settings
 from attest_mav.service.field_lookup import FieldFinder
+from attest_mav.service.link_records import Traffic
 from attest_mav.service.service import Service
-from attest_mav.service.snapshot import Snapshot, Traffic
+from attest_mav.service.snapshot import Snapshot
 
 if TYPE_CHECKING:
     from attest_mav.runtime.recorder.recorder import Recorder

@@ -8,7 +8,8 @@ from attest_mav.estimate import Estimate
 from attest_mav.estimation.events import Agreement, Verdict
 from attest_mav.mavlink.constants import MAV_STATE_ACTIVE, MAV_STATE_BOOT, MAV_STATE_CALIBRATING, MAV_STATE_CRITICAL
 from attest_mav.service.signing_status import signing_text
-from attest_mav.service.snapshot import LaneSnapshot, Rates, Snapshot, rates_between
+from attest_mav.service.snapshot import Rates, Snapshot, rates_between
+from attest_mav.service.vehicle_records import LaneSnapshot
 from attest_mav.types import North
 
 STATE_NAMES: Final = {

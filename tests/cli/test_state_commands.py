@@ -12,8 +12,8 @@ from attest_mav.config.records import parse_config
 from attest_mav.errors import LinkError, UsageError
 from attest_mav.mavlink.dialect import load_dialect
 from attest_mav.service.assembly import service_settings
+from attest_mav.service.link_records import Traffic
 from attest_mav.service.service import Service
-from attest_mav.service.snapshot import Traffic
 from attest_mav.sim.autopilot import FakeAutopilot
 from attest_mav.sim.settings import SimSettings
 from attest_mav.types import EarthField
