@@ -9,7 +9,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from attest_mav.config.live import differences, with_live_keys
-from attest_mav.config.records import Config, web_address
+from attest_mav.config.parsing import web_address
+from attest_mav.config.records import Config
 from attest_mav.config.text import printable
 from attest_mav.errors import AttestMavError
 from attest_mav.mavlink.dialect import Dialect, load_dialect

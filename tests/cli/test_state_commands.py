@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from attest_mav.cli import state_text, status, watch
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.errors import LinkError, UsageError
 from attest_mav.mavlink.dialect import load_dialect
 from attest_mav.service.assembly import service_settings

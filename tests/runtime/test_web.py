@@ -8,7 +8,7 @@ import socket
 import pytest
 
 from attest_mav.config.link_url import parse_link
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.mavlink.dialect import load_dialect
 from attest_mav.runtime.loop import READ, WRITE
 from attest_mav.runtime.web.client import REQUEST_NS, Client

@@ -4,7 +4,7 @@ from math import radians
 
 import pytest
 
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.service.assembly import service_settings
 
 from .test_own_parameters import set_to

@@ -6,7 +6,7 @@ import pytest
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.logs.tlog.reader import TlogReader
 from attest_mav.logs.tlog.source import TlogSource
 from attest_mav.mavlink.component.notes import ERROR, WARNING, Note

@@ -8,7 +8,7 @@ from math import degrees
 import pytest
 
 from attest_mav.algebra import q_to_euler
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.mavlink.dialect import load_dialect
 from attest_mav.service.assembly import service_settings
 from attest_mav.service.link_records import Traffic
