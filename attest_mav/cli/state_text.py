@@ -3,7 +3,7 @@
 from typing import Any, Final, NamedTuple
 
 from attest_mav.cli.reason_text import REASON_WORDS
-from attest_mav.service.status import VERDICT_WORDS
+from attest_mav.service.status import VERDICT_WORDS, nobody_text
 
 WORDS: Final = {agreement.name.lower(): word for agreement, word in VERDICT_WORDS.items()}
 SHOWN_SPANS: Final = 8
@@ -68,7 +68,8 @@ def headline(state: dict[str, Any]) -> str:
     """The vehicle, and the state of our work."""
     vehicle = state["vehicle"]
     if vehicle is None:
-        return f"{state['state']}: {state['ambiguity'] or 'no vehicle yet'}"
+        frames, bad_bytes = (sum(link[key] for link in state["links"]) for key in ("frames", "bad_bytes"))
+        return f"{state['state']}: {state['ambiguity'] or nobody_text(frames, bad_bytes)}"
     armed = "armed" if vehicle["armed"] else "disarmed"
     return f"{state['state']}: system {vehicle['system']}, {armed}{'' if vehicle['is_present'] else ', not heard'}"
 

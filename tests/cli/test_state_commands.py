@@ -134,6 +134,12 @@ def test_watch_in_a_pipe_writes_a_line_for_each_change_and_waits_for_a_daemon_th
     assert lines[2].endswith(" is gone")
 
 
+def test_bytes_that_are_no_mavlink_are_told_where_a_vehicle_is_waited_for(documents):
+    state = json.loads(documents[0])
+    state["links"][0]["bad_bytes"] = 500
+    assert state_text.headline(state).endswith("bytes come, but no MAVLink; is the baud rate right?")
+
+
 def rows_of(state, size, banner=""):
     return watch._view(state, banner, "here at 12:00:00; Ctrl-C ends", size).plain.split("\n")
 
