@@ -3,7 +3,6 @@
 import argparse
 import os
 from collections.abc import Iterable, Iterator
-from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
@@ -97,25 +96,30 @@ def report(rows: Iterator[Row], titles: Titles, picture: str | None) -> int:
     print(f"{titles.flown:>7} {titles.pace:>8}      MB  fds  cost %  ms: med     p99     max  rec. MB  lost  verdict")
     seen: list[Row] = []
     interrupted = True
-    with suppress(KeyboardInterrupt):
+    try:
         for row in rows:
             seen.append(row)
-            times = " ".join(f"{one:>7.2f}" for one in row.latencies_ms)
-            print(
-                f"{row.flown:>7.2f} {row.pace:>8.1f} {row.memory_mb:>7.1f} {row.descriptors:>4} "
-                f"{row.cost_percent:>7.2f}  {times} {row.recorded_mb:>8.1f} {row.lost:>5}  {row.verdict}",
-                flush=True,
-            )
+            print(text_of(row), flush=True)
         interrupted = False
-    if not seen:
-        return 130
-    if picture:
-        draw(seen, titles, Path(picture))
-    failures = failures_of(seen)
-    print("MISSED: " + ", ".join(failures) if failures else "all bounds hold")
+    except KeyboardInterrupt:
+        pass
+    finally:
+        if seen and picture:
+            draw(seen, titles, Path(picture))
+    failures = failures_of(seen) if seen else []
+    print("MISSED: " + ", ".join(failures) if failures else "all bounds hold" if seen else "nothing was measured")
     if interrupted:
         return 130
     return 1 if failures else 0
+
+
+def text_of(row: Row) -> str:
+    """A line of the table."""
+    times = " ".join(f"{one:>7.2f}" for one in row.latencies_ms)
+    return (
+        f"{row.flown:>7.2f} {row.pace:>8.1f} {row.memory_mb:>7.1f} {row.descriptors:>4} "
+        f"{row.cost_percent:>7.2f}  {times} {row.recorded_mb:>8.1f} {row.lost:>5}  {row.verdict}"
+    )
 
 
 def early(rows: list[Row]) -> Row:
