@@ -153,7 +153,7 @@ def sections(state: dict[str, Any]) -> list[Section]:
         Section("newest attitudes, degrees (the verdict compares at one instant)", attitude_lines(state)),
         Section("inertial sensors", [lane_line(state, lane) for lane in state["lanes"]]),
         Section("links", [link_line(link) for link in state["links"]]),
-        Section("verdicts, the newest first", span_lines(state)),
+        Section("verdicts, the newest first (DISAGREES at once, others after 10 s)", span_lines(state)),
     ]
     return [one for place, one in enumerate(all_sections) if one.lines or place < 2]
 
