@@ -209,7 +209,7 @@ class Watch:
 
 def euler_text(q_nb: Quat) -> str:
     """Roll, pitch and yaw in degrees, in columns."""
-    roll, pitch, yaw = (degrees(angle) for angle in q_to_euler(q_nb))
+    roll, pitch, yaw = (round(degrees(angle), 2) or 0.0 for angle in q_to_euler(q_nb))  # no "-0.00"
     return f"{roll:7.2f} {pitch:7.2f} {yaw % 360.0:7.2f}"
 
 

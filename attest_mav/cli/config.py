@@ -15,7 +15,8 @@ from attest_mav.config.layers import (
     file_layer,
     layered,
 )
-from attest_mav.config.records import Config, parse_config
+from attest_mav.config.parsing import parse_config
+from attest_mav.config.records import Config
 from attest_mav.config.remarks import remarks
 from attest_mav.config.text import printable, to_toml
 from attest_mav.errors import ConfigError, UsageError

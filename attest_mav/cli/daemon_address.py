@@ -5,7 +5,7 @@ from typing import Final
 import click
 
 from attest_mav.config.link_url import LinkUrl
-from attest_mav.config.records import web_address
+from attest_mav.config.parsing import web_address
 from attest_mav.errors import ConfigError, UsageError
 
 DEFAULT: Final = "127.0.0.1:8484"

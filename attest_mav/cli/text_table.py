@@ -92,9 +92,9 @@ def screen_width() -> int:
         return PIPE_COLUMNS
 
 
-def folded(text: str, width: int, indent: str = "") -> str:
-    """A text in lines of at most ``width`` characters, each behind the indent."""
-    return fill(text, width, initial_indent=indent, subsequent_indent=indent, break_on_hyphens=False)
+def folded(text: str, width: int, indent: str = "", hanging: str = "") -> str:
+    """A text in lines of at most ``width`` characters, each behind the indent. hanging: before all but the first."""
+    return fill(text, width, initial_indent=indent, subsequent_indent=indent + hanging, break_on_hyphens=False)
 
 
 def _cell_lines(cell: str, width: int) -> list[str]:

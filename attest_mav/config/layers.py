@@ -8,7 +8,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Final, NamedTuple
 
 from attest_mav.config.changes import apply_changes, value_of
-from attest_mav.config.records import Config, check_whole, read_tables
+from attest_mav.config.parsing import check_whole, read_tables
+from attest_mav.config.records import Config
 from attest_mav.config.text import printable
 from attest_mav.errors import ConfigError
 

@@ -6,7 +6,8 @@ from typing import Final
 
 from attest_mav.config.link_url import LinkUrl, Scheme, first_clash, parse_link
 from attest_mav.config.live import flat
-from attest_mav.config.records import Config, web_address
+from attest_mav.config.parsing import web_address
+from attest_mav.config.records import Config
 
 USUAL_BAUDS: Final = (
     1200, 2400, 4800, 9600, 19200, 38400, 57600, 111100, 115200, 230400, 256000, 460800, 500000, 576000, 625000,

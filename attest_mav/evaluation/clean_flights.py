@@ -6,7 +6,7 @@ from math import degrees, isfinite
 from typing import Final
 
 from attest_mav.algebra import tilt_between
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.errors import UsageError
 from attest_mav.estimation.events import Agreement
 from attest_mav.evaluation.harness import TrialMap

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Final
 
 from attest_mav.config.calibration import calibrations_text
 from attest_mav.config.live import differences, with_live_keys
-from attest_mav.config.records import Config, web_address
+from attest_mav.config.parsing import web_address
+from attest_mav.config.records import Config
 from attest_mav.config.text import printable
 from attest_mav.errors import AttestMavError
 from attest_mav.mavlink.dialect import Dialect, load_dialect
@@ -25,8 +26,9 @@ from attest_mav.runtime.reporter import Reporter
 from attest_mav.runtime.state_keeper import StateKeeper, is_named, state_path
 from attest_mav.service.assembly import service_settings
 from attest_mav.service.field_lookup import FieldFinder
+from attest_mav.service.link_records import Traffic
 from attest_mav.service.service import Service
-from attest_mav.service.snapshot import Snapshot, Traffic
+from attest_mav.service.snapshot import Snapshot
 
 if TYPE_CHECKING:
     from attest_mav.runtime.recorder.recorder import Recorder

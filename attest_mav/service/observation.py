@@ -10,16 +10,9 @@ from attest_mav.mavlink.component.ports import Port
 from attest_mav.mavlink.component.streams import StreamManager
 from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.service.link_input import LinkInput
+from attest_mav.service.link_records import LinkSnapshot, Refusal, StreamSnapshot, Traffic
 from attest_mav.service.signing_status import SigningSnapshot
-from attest_mav.service.snapshot import (
-    ClockSnapshot,
-    LaneSnapshot,
-    LinkSnapshot,
-    Refusal,
-    StreamSnapshot,
-    Traffic,
-    VehicleSnapshot,
-)
+from attest_mav.service.vehicle_records import ClockSnapshot, LaneSnapshot, VehicleSnapshot
 from attest_mav.service.verdict_records import AutopilotAttitude
 
 

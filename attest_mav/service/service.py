@@ -6,41 +6,35 @@ vehicle and a counter. Everything that anyone may see of the service is in ``sna
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from attest_mav.estimate import Estimate
 from attest_mav.estimation.pipeline import Pipeline
-from attest_mav.estimation.vehicle import Vehicle
 from attest_mav.mavlink.component.companion import Companion
 from attest_mav.mavlink.component.notes import Note
-from attest_mav.mavlink.component.own_parameters import RATE
-from attest_mav.mavlink.constants import MAV_STATE_ACTIVE, MAV_STATE_BOOT, MAV_STATE_CALIBRATING, MAV_STATE_CRITICAL
 from attest_mav.mavlink.decode.autopilot_parameters import facts_of_firmware
 from attest_mav.mavlink.decode.decoder import Decoder
 from attest_mav.mavlink.dialect import Dialect
-from attest_mav.mavlink.signing.links import LinkSigning
 from attest_mav.samples import ImuSample, PositionSample, Sample
 from attest_mav.service.announcements import Announcements
-from attest_mav.service.assembly import retuned
 from attest_mav.service.calibration_store import CalibrationStore
 from attest_mav.service.field_lookup import FieldFinder, FieldLookup
 from attest_mav.service.kept_state import Persistence
-from attest_mav.service.link_input import LinkInput
+from attest_mav.service.link_records import Traffic
 from attest_mav.service.observation import (
     autopilot_attitude,
     clock_snapshot,
     lane_snapshots,
-    link_snapshot,
     refusals,
     stream_snapshots,
     tilt_threshold,
     vehicle_snapshot,
 )
+from attest_mav.service.reception import Reception
 from attest_mav.service.settings import ServiceSettings
-from attest_mav.service.signing_status import signing_snapshot
-from attest_mav.service.snapshot import NO_TRAFFIC, NoteCounts, RecordingSnapshot, Snapshot, Traffic
+from attest_mav.service.snapshot import NoteCounts, RecordingSnapshot, Snapshot
 from attest_mav.service.source_notes import SourceNotes
+from attest_mav.service.tuning import Tuning
 from attest_mav.service.vehicle_attitude import VehicleAttitude
 from attest_mav.types import EarthField
 from attest_mav.vehicle_reports import ParameterSample
@@ -69,31 +63,21 @@ class Service:
         self._tape: Final = tape
         self.due_ns = now_ns
         """When ``poll`` is due; a time in the past is at once."""
-        self._settings = settings
         self._dialect: Final = dialect
         ports = list(zip(links, settings.ports, strict=True))
         self._companion: Final = Companion(dialect, settings.companion, ports, now_ns)
         self._notebook: Final = self._companion.notebook
-        self._signing: Final = LinkSigning(
-            dialect, settings.companion.component, [(name, port.signing) for name, port in ports], self._notebook
-        )
-        for port, signer in zip(self._companion.ports, self._signing.signers, strict=True):
-            if signer is not None:
-                port.sign_with(signer.sign)
+        self._tuning: Final = Tuning(self._companion, settings)
+        self._reception: Final = Reception(dialect, self._companion, settings)
         self._calibrations: Final = CalibrationStore(settings.learns)
-        self.persistence: Final = Persistence(self._signing.clock, self._companion.own_parameters, self._calibrations)
+        self.persistence: Final = Persistence(self._reception.clock, self._companion.own_parameters, self._calibrations)
         """The state that survives a restart; restored before the first bytes come."""
-        self._inputs: Final = [
-            LinkInput(dialect, self._companion.wanted, None if verifier is None else verifier.accepts)
-            for verifier in self._signing.verifiers
-        ]
         self._decoder = Decoder(dialect, settings.raw_scales)
         self._field_lookup: Final = FieldLookup(find_field, settings.declination, self._notebook)
         self._announcements: Final = Announcements(self._companion)
         self._sender = self._companion.sender
         self._attitude = self._new_attitude(VehicleSettings(), EarthField(settings.declination))
         self._samples = 0
-        self._stale_ns: Final = int(settings.pipeline.stale_s * 1e9)
         self._source_notes: Final = SourceNotes(self._notebook)
         self._next_refusals_ns = now_ns + REFUSALS_NS
 
@@ -109,20 +93,13 @@ class Service:
 
     def fresh(self, now_ns: int) -> bool:
         """Whether there is an estimate younger than the configured limit."""
-        estimate = self.estimate
-        return estimate is not None and now_ns - estimate.rx_ns < self._stale_ns
+        return self._attitude.is_fresh(now_ns)
 
     def receive(self, link: int, data: bytes, now_ns: int, stream: int = 0) -> bool:
-        """Take bytes that arrived on a link, in one of its streams; whether they completed an intact frame.
-
-        On a link that requires signatures only a frame with a correct one counts as intact; one of an old time does
-        too, since a vehicle whose clock is behind must hear us to follow ours.
-        """
-        companion, source = self._companion, self._inputs[link]
-        self._signing.clock.advance(now_ns)
-        verifier = self._signing.verifiers[link]
-        authentic = 0 if verifier is None else verifier.authentic
-        for frame in source.feed(data, now_ns, stream):
+        """Take bytes that arrived on a link, in one of its streams; whether they completed an intact frame."""
+        companion = self._companion
+        frames, is_intact = self._reception.feed(link, data, now_ns, stream)
+        for frame in frames:
             is_data = companion.handle(link, frame, now_ns)
             if companion.sender != self._sender:
                 self._begin_anew()
@@ -136,19 +113,17 @@ class Service:
                 for exchange in companion.timesync.take():
                     self._attitude.vehicle.clock.take(exchange)
                 self.due_ns = now_ns  # a heartbeat, an answer, a command: something may follow from it
-        if verifier is not None and verifier.requires:
-            return verifier.authentic > authentic
-        return source.completed
+        return is_intact
 
     def link_restarted(self, link: int) -> None:
         """A link was opened again: a frame that was received in part is dropped."""
-        self._inputs[link].reset()
+        self._reception.restarted(link)
         self._companion.link_broken(link)
         self.due_ns = 0
 
     def poll(self, now_ns: int) -> None:
         """Do everything that is due."""
-        self._signing.clock.advance(now_ns)
+        self._reception.clock.advance(now_ns)
         self._retune()
         self._attitude.poll(now_ns)
         if now_ns >= self._next_refusals_ns:
@@ -156,9 +131,9 @@ class Service:
             self._source_notes.refusals(self._decoder, self._companion.data.imu, now_ns)
             self._source_notes.frames(self._frame_notes)
             self._attitude.verdicts.settle(now_ns)
-            self._measure_loss(now_ns)
+            self._reception.measure_loss(now_ns)
             self._learn()
-        self._companion.state = self._state(now_ns)
+        self._companion.state = self._attitude.state(now_ns)
         self._companion.poll(now_ns)
         self.due_ns = min(self._companion.next_deadline_ns, self._next_refusals_ns)
         pipeline_ns = None if self._pipeline is None else self._pipeline.next_deadline_ns
@@ -186,16 +161,13 @@ class Service:
         traffic: the host's counters, one record a link. recording: the host's, of the tape.
         """
         companion, decoder, attitude = self._companion, self._decoder, self._attitude
-        counters = traffic or [NO_TRAFFIC] * len(self._inputs)
-        signing = [signing_snapshot(verifier, now_ns) for verifier in self._signing.verifiers]
-        parts = zip(self._inputs, companion.ports, signing, counters, strict=True)
         inertial = companion.data.imu
         return Snapshot(
             now_ns=now_ns,
             state=companion.state,
             vehicle=vehicle_snapshot(companion.discovery, attitude.vehicle),
             ambiguity=companion.discovery.ambiguity,
-            links=tuple(link_snapshot(*part) for part in parts),
+            links=self._reception.snapshots(traffic, now_ns),
             streams=stream_snapshots(companion.data.stream_manager, companion.discovery.present, now_ns),
             inertial="" if inertial is None else inertial.name,
             single_imu=companion.data.single_imu,
@@ -208,7 +180,7 @@ class Service:
             aids=tuple(attitude.aids.values()),
             verdict=attitude.verdicts.standing,
             spans=attitude.verdicts.spans,
-            tilt_threshold=tilt_threshold(self._pipeline, self._settings.pipeline.verdict),
+            tilt_threshold=tilt_threshold(self._pipeline, self._tuning.pipeline.verdict),
             autopilot=autopilot_attitude(self._pipeline),
             withheld="" if self.estimate is None else attitude.publisher.reason,
             self_report=attitude.vehicle.self_report.remarks(now_ns),
@@ -224,14 +196,8 @@ class Service:
 
         A parameter of ours that a station has set stays as it was set.
         """
-        parameters = self._companion.own_parameters
-        parameters.configure(settings.companion.parameters)
-        pipeline = retuned(settings.pipeline, parameters) if parameters.table else settings.pipeline
-        self._settings = replace(settings, pipeline=pipeline)
-        hz = parameters.value(RATE.name) if parameters.table else settings.companion.publish_hz
-        for port, port_settings in zip(self._companion.ports, settings.ports, strict=True):
-            port.use(port_settings, hz)
-        self._attitude.use(pipeline)
+        self._tuning.use(settings)
+        self._attitude.use(self._tuning.pipeline)
         self._attitude.use_filter(settings.attitude_filter)
         self.due_ns = 0
 
@@ -259,52 +225,27 @@ class Service:
     def _begin_anew(self) -> None:
         """Another vehicle, another component of it, or none: nothing learned from the last one holds for this one."""
         self._sender = self._companion.sender
-        self._decoder = Decoder(self._dialect, self._settings.raw_scales)
+        self._decoder = Decoder(self._dialect, self._tuning.settings.raw_scales)
         field = self._attitude.vehicle.field  # the place is the same until a position says otherwise
         self._attitude.verdicts.end()
         heard = self._companion.discovery.vehicle
-        settings = facts_of_firmware(self._sender[2], -1 if heard is None else heard.vehicle_type)
-        self._attitude = self._new_attitude(settings, field)
+        facts = facts_of_firmware(self._sender[2], -1 if heard is None else heard.vehicle_type)
+        self._attitude = self._new_attitude(facts, field)
 
-    def _new_attitude(self, settings: VehicleSettings, field: EarthField) -> VehicleAttitude:
+    def _new_attitude(self, facts: VehicleSettings, field: EarthField) -> VehicleAttitude:
         """The work on another vehicle, of which these settings and this field of the Earth are known."""
-        vehicle = Vehicle(self._settings.pipeline.aids)
-        vehicle.settings, vehicle.field = settings, field
-        vehicle.calibrations = self._calibrations.of_vehicle(self._sender[0])
-        return VehicleAttitude(
-            self._companion, self._announcements, self._settings.pipeline, self._settings.attitude_filter, vehicle
-        )
+        known = self._calibrations.of_vehicle(self._sender[0])
+        return VehicleAttitude(self._companion, self._announcements, self._tuning.settings, facts, field, known)
 
     def _retune(self) -> None:
         """Put our own parameters in force, where they have changed."""
-        parameters = self._companion.own_parameters
-        if not parameters.take_change():
-            return
-        settings = retuned(self._settings.pipeline, parameters)
-        self._settings = replace(self._settings, pipeline=settings)
-        self._attitude.use(settings)
-        for port in self._companion.ports:
-            port.set_rate(parameters.value(RATE.name))
+        if self._tuning.take_change():
+            self._attitude.use(self._tuning.pipeline)
 
     def _learn(self) -> None:
         """Keep what the flight has shown of the sensors' errors."""
         if self._pipeline is not None:
             self._calibrations.take(self._sender[0], self._pipeline.learned)
-
-    def _measure_loss(self, now_ns: int) -> None:
-        """Tell the companion what the vehicle's link loses."""
-        vehicle = self._companion.discovery.vehicle
-        if vehicle is not None:
-            source = self._inputs[vehicle.link]
-            self._companion.data.stream_manager.loss.take(source.frames, source.lost, source.bad_crc, now_ns)
-
-    def _state(self, now_ns: int) -> int:
-        """MAV_STATE; while the attitude is withheld the filter is still calibrating."""
-        if self.fresh(now_ns):
-            if self._attitude.verdicts.disagrees:
-                return MAV_STATE_CRITICAL
-            return MAV_STATE_ACTIVE if self._attitude.publisher.is_open else MAV_STATE_CALIBRATING
-        return MAV_STATE_CALIBRATING if self._attitude.brings_samples(now_ns) else MAV_STATE_BOOT
 
     @property
     def _pipeline(self) -> Pipeline | None:

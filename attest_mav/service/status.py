@@ -8,7 +8,8 @@ from attest_mav.estimate import Estimate
 from attest_mav.estimation.events import Agreement, Verdict
 from attest_mav.mavlink.constants import MAV_STATE_ACTIVE, MAV_STATE_BOOT, MAV_STATE_CALIBRATING, MAV_STATE_CRITICAL
 from attest_mav.service.signing_status import signing_text
-from attest_mav.service.snapshot import LaneSnapshot, Rates, Snapshot, rates_between
+from attest_mav.service.snapshot import Rates, Snapshot, rates_between
+from attest_mav.service.vehicle_records import LaneSnapshot
 from attest_mav.types import North
 
 STATE_NAMES: Final = {
@@ -33,7 +34,7 @@ VERDICT_WORDS: Final = {
 
 def attitude_text(estimate: Estimate) -> str:
     """Roll, pitch and yaw in degrees, and the north of the yaw."""
-    roll, pitch, yaw = (degrees(angle) for angle in q_to_euler(estimate.q_nb))
+    roll, pitch, yaw = (round(degrees(angle), 1) or 0.0 for angle in q_to_euler(estimate.q_nb))  # no "-0.0"
     return f"roll {roll:+.1f} pitch {pitch:+.1f} yaw {yaw % 360.0:.1f} ({NORTH_NAMES[estimate.north]})"
 
 
@@ -100,11 +101,11 @@ def obstacles(now: Snapshot) -> list[str]:
     return ["nothing is sent: samples stopped" if now.lanes else "nothing is sent: no sample has come"]
 
 
-def _nobody_text(now: Snapshot) -> str:
+def nobody_text(frames: int, bad_bytes: int) -> str:
     """The traffic that is heard instead of a vehicle."""
-    if any(link.frames for link in now.links):
+    if frames:
         return "no vehicle yet: MAVLink comes, but no HEARTBEAT of an autopilot"
-    if any(link.bad_bytes for link in now.links):
+    if bad_bytes:
         return "no vehicle yet: bytes come, but no MAVLink; is the baud rate right?"
     return "no vehicle yet"
 
@@ -113,7 +114,9 @@ def _inertial_text(now: Snapshot, rates: Rates) -> str:
     """The inertial message with its rate, and the autopilot's answer to the request."""
     stream = now.inertial_stream
     if stream is None:
-        return now.ambiguity or _nobody_text(now)
+        return now.ambiguity or nobody_text(
+            sum(link.frames for link in now.links), sum(link.bad_bytes for link in now.links)
+        )
     asked = f"{stream.name} {rates.samples:.1f} of {stream.hz:g} Hz"
     if stream.name in now.not_independent:
         asked += ", not independent of the autopilot's filter"

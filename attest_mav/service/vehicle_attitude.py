@@ -11,49 +11,74 @@ from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind, Verdic
 from attest_mav.estimation.pipeline import Pipeline, PipelineSettings
 from attest_mav.estimation.vehicle import Vehicle
 from attest_mav.filters.base import AttitudeFilter
+from attest_mav.filters.calibration import SensorCalibration
 from attest_mav.innovation import Aid
 from attest_mav.mavlink.component.companion import Companion
+from attest_mav.mavlink.constants import MAV_STATE_ACTIVE, MAV_STATE_BOOT, MAV_STATE_CALIBRATING, MAV_STATE_CRITICAL
 from attest_mav.samples import ImuSample, Sample
 from attest_mav.service.announcements import Announcements
 from attest_mav.service.publisher import Publisher
 from attest_mav.service.sender_clock import SenderClock
-from attest_mav.service.snapshot import AidSnapshot
+from attest_mav.service.settings import ServiceSettings
+from attest_mav.service.vehicle_records import AidSnapshot
 from attest_mav.service.verdict_teller import VerdictTeller
+from attest_mav.types import EarthField
+from attest_mav.vehicle_settings import VehicleSettings
 
 TWO_SENDERS: Final = "two vehicles with one id"
 """Why the attitude is withheld while another sender uses the vehicle's ids."""
 
 
 class VehicleAttitude:
-    """Runs the pipeline of one vehicle, and passes on what follows. ``vehicle``: what is known of it."""
+    """Runs the pipeline of one vehicle, and passes on what follows.
+
+    facts, field: the settings of the vehicle and the field of the Earth at its place, as far as they are known.
+    calibrations: errors of its sensors by earlier flights, by inertial message.
+    """
 
     def __init__(
         self,
         companion: Companion,
         announcements: Announcements,
-        settings: PipelineSettings,
-        attitude_filter: AttitudeFilter,
-        vehicle: Vehicle,
+        settings: ServiceSettings,
+        facts: VehicleSettings,
+        field: EarthField,
+        calibrations: dict[str, SensorCalibration],
     ) -> None:
-        self.vehicle: Final = vehicle
+        self.vehicle: Final = Vehicle(settings.pipeline.aids)
+        self.vehicle.settings, self.vehicle.field = facts, field
+        self.vehicle.calibrations = calibrations
         self.pipeline: Pipeline | None = None
         """None before the first inertial sample that is used."""
-        self.publisher: Final = Publisher(companion, announcements, settings.max_sigma)
-        self.verdicts: Final = VerdictTeller(companion, announcements, vehicle)
+        self.publisher: Final = Publisher(companion, announcements, settings.pipeline.max_sigma)
+        self.verdicts: Final = VerdictTeller(companion, announcements, self.vehicle)
         self.aids: Final[dict[Aid, AidSnapshot]] = {}
         """The newest measurement of each aid beside the published estimates."""
         self._companion: Final = companion
-        self._settings = settings
-        self._filter = attitude_filter
+        self._settings = settings.pipeline
+        self._filter = settings.attitude_filter
         self._clock: Final = SenderClock()
         self._two_senders = False
-        self._stale_ns: Final = int(settings.stale_s * 1e9)
+        self._stale_ns: Final = int(settings.pipeline.stale_s * 1e9)
         self._sample_ns = -1
 
     @property
     def estimate(self) -> Estimate | None:
         """The newest valid estimate, else None."""
         return None if self.pipeline is None else self.pipeline.estimate
+
+    def is_fresh(self, now_ns: int) -> bool:
+        """Whether there is an estimate younger than the configured limit."""
+        estimate = self.estimate
+        return estimate is not None and now_ns - estimate.rx_ns < self._stale_ns
+
+    def state(self, now_ns: int) -> int:
+        """MAV_STATE; while the attitude is withheld the filter is still calibrating."""
+        if self.is_fresh(now_ns):
+            if self.verdicts.disagrees:
+                return MAV_STATE_CRITICAL
+            return MAV_STATE_ACTIVE if self.publisher.is_open else MAV_STATE_CALIBRATING
+        return MAV_STATE_CALIBRATING if self.brings_samples(now_ns) else MAV_STATE_BOOT
 
     def brings_samples(self, now_ns: int) -> bool:
         """Whether inertial samples that are used have come of late."""

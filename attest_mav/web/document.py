@@ -16,8 +16,9 @@ from attest_mav.algebra import q_to_euler
 from attest_mav.estimate import Estimate
 from attest_mav.estimation.events import Verdict
 from attest_mav.innovation import Innovation
-from attest_mav.service.snapshot import AidSnapshot, Snapshot
+from attest_mav.service.snapshot import Snapshot
 from attest_mav.service.status import STATE_NAMES, obstacles
+from attest_mav.service.vehicle_records import AidSnapshot
 from attest_mav.service.verdict_records import AutopilotAttitude, VerdictSpan, VerdictStanding
 from attest_mav.types import EarthField, Quat
 from attest_mav.vehicle_settings import Setting, VehicleSettings

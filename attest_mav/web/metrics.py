@@ -6,7 +6,9 @@ from math import degrees, isnan
 from typing import Final
 
 from attest_mav.estimation.events import Agreement
-from attest_mav.service.snapshot import LaneSnapshot, LinkSnapshot, Snapshot
+from attest_mav.service.link_records import LinkSnapshot
+from attest_mav.service.snapshot import Snapshot
+from attest_mav.service.vehicle_records import LaneSnapshot
 from attest_mav.web.health import ailments
 
 CONTENT_TYPE: Final = "text/plain; version=0.0.4; charset=utf-8"

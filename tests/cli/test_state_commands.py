@@ -7,13 +7,13 @@ import threading
 import pytest
 from click.testing import CliRunner
 
-from attest_mav.cli import status, watch
-from attest_mav.config.records import parse_config
+from attest_mav.cli import state_text, status, watch
+from attest_mav.config.parsing import parse_config
 from attest_mav.errors import LinkError, UsageError
 from attest_mav.mavlink.dialect import load_dialect
 from attest_mav.service.assembly import service_settings
+from attest_mav.service.link_records import Traffic
 from attest_mav.service.service import Service
-from attest_mav.service.snapshot import Traffic
 from attest_mav.sim.autopilot import FakeAutopilot
 from attest_mav.sim.settings import SimSettings
 from attest_mav.types import EarthField
@@ -134,9 +134,68 @@ def test_watch_in_a_pipe_writes_a_line_for_each_change_and_waits_for_a_daemon_th
     assert lines[2].endswith(" is gone")
 
 
+def test_bytes_that_are_no_mavlink_are_told_where_a_vehicle_is_waited_for(documents):
+    state = json.loads(documents[0])
+    state["links"][0]["bad_bytes"] = 500
+    assert state_text.headline(state).endswith("bytes come, but no MAVLink; is the baud rate right?")
+
+
+def rows_of(state, size, banner=""):
+    return watch._view(state, banner, "here at 12:00:00; Ctrl-C ends", size).plain.split("\n")
+
+
 def test_watch_on_a_terminal_shows_the_whole_state(documents):
     state = json.loads(documents[1])
-    shown = watch._view(state, "").plain
-    assert "ATTITUDE agrees" in shown
-    assert "RAW_IMU" in shown
-    assert "this was its last state" in watch._view(state, "it is gone").plain
+    rows = rows_of(state, (80, 40))
+    assert any(row.startswith("ATTITUDE agrees") for row in rows)
+    assert any(row.startswith("  RAW_IMU: published, 5") for row in rows)
+    assert rows[-1] == "here at 12:00:00; Ctrl-C ends"
+    assert rows_of(state, (80, 40), "it is gone")[0] == "it is gone"
+
+
+@pytest.mark.parametrize("size", [(40, 10), (60, 20), (100, 30)], ids=str)
+def test_watch_fits_the_terminal_and_says_what_it_leaves_out(documents, size):
+    columns, height = size
+    state = json.loads(documents[1])
+    rows = rows_of(state, size)
+    whole = rows_of(state, (columns, 1000))
+    assert max(map(len, rows)) <= columns
+    assert len(rows) <= height
+    left_out = len(whole) - len(rows)
+    assert rows[-1].startswith(f"{left_out} lines more" if left_out else "here at")
+    assert rows[:-1] == whole[: len(rows) - 1]
+
+
+def test_lines_of_a_section_that_are_folded_are_told_from_titles(documents):
+    rows = rows_of(json.loads(documents[1]), (30, 1000))
+    titles = [row for row in rows if not row.startswith(" ")]
+    assert "links" in titles
+    assert "sent" not in " ".join(titles)
+
+
+def test_watch_on_a_terminal_without_a_cursor_writes_lines(server, documents, monkeypatch):
+    monkeypatch.setenv("TERM", "dumb")
+    monkeypatch.setattr("click.testing._NamedTextIOWrapper.isatty", lambda _: True, raising=False)
+    assert run(watch, "--at", server(documents[1]), "--looks", "2").startswith("active: system 1, disarmed | ")
+
+
+def test_a_number_that_rounds_to_zero_has_no_sign_and_a_heading_is_below_360():
+    assert [state_text.number(one, 1, "+") for one in (-0.04, 0.04, -0.06, None)] == ["+0.0", "+0.0", "-0.1", "-"]
+    attitude = {"roll_deg": 0.0, "pitch_deg": 0.0, "yaw_deg": 359.97, "received_s": 0.0}
+    assert state_text.attitude_line({"now_s": 0.0}, "ours", attitude).text.endswith("heading   0.0")
+
+
+def test_lengths_of_time_are_told_in_units_that_people_read():
+    assert [state_text.duration(one) for one in (4.4, 99.0, 100.0, 5999.0, 33000.0)] == [
+        "4 s",
+        "99 s",
+        "2 min",
+        "100 min",
+        "9.2 h",
+    ]
+
+
+def test_an_undecided_verdict_is_explained_in_words(server, documents):
+    lines = run(status, "--at", server(documents[2])).splitlines()
+    place = next(place for place, line in enumerate(lines) if " undecided (no-reference), for " in line)
+    assert lines[place + 1].startswith("  the autopilot's attitudes have stopped")

@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from attest_mav.cli.tune import command
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.errors import UnreadableDataError, UsageError
 
 CUTS = Path(__file__).parent.parent / "data"

@@ -2,7 +2,7 @@
 
 import pytest
 
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.errors import ConfigError, UsageError
 
 TEXT = "[output]\nrate_hz = 10\n[filter.leveling]\nheading_time_s = 5.0\n"

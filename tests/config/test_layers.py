@@ -3,7 +3,7 @@
 import pytest
 
 from attest_mav.config.layers import command_line_layer, environment_layers, file_layer, layered
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.config.remarks import remarks
 from attest_mav.errors import ConfigError
 

@@ -1,7 +1,7 @@
 """Which keys change while the daemon runs, and how differences are named."""
 
 from attest_mav.config.live import differences, with_live_keys
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 
 RUNNING = "[[link]]\nurl = 'udpin::1'\n"
 

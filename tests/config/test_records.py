@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from attest_mav.config.filters import FilterConfig
-from attest_mav.config.records import Config, LinkConfig, SpeedSource, VelocitySource, parse_config
+from attest_mav.config.parsing import parse_config
+from attest_mav.config.records import Config, LinkConfig, SpeedSource, VelocitySource
 from attest_mav.config.text import to_toml
 from attest_mav.errors import ConfigError
 from attest_mav.estimation.vehicle import SPEED_SOURCES

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from attest_mav.cli.main import COMMANDS
+from attest_mav.cli.reason_text import REASON_WORDS
 from attest_mav.estimation.verdict import REASONS
 
 REPOSITORY = Path(__file__).parents[2]
@@ -75,6 +76,12 @@ def test_names_of_the_glossary_are_in_the_code():
 def test_the_page_on_the_verdict_has_every_reason():
     table = re.findall(r"^\| `([\w-]+)` \|", prose(REPOSITORY / "docs" / "verdict.md"), re.MULTILINE)
     assert set(table) == set(REASONS)
+
+
+def test_the_page_on_the_verdict_has_the_reasons_that_are_told_in_words():
+    rows = re.findall(r"^\| `([\w-]+)` \| (\w+) \|", prose(REPOSITORY / "docs" / "verdict.md"), re.MULTILINE)
+    explained = {(agreement.lower(), reason) for reason, agreement in rows if reason != "agrees"}
+    assert explained == REASON_WORDS.keys()
 
 
 def test_the_replay_of_the_readme_gives_the_figures_that_stand_there(command):

@@ -6,7 +6,7 @@ from math import nan
 import pytest
 
 from attest_mav import ArgumentError, FlightParameters, GradientDescent, Leveling, RobustAdaptive
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.errors import UsageError
 from attest_mav.filters.own import own_filter, own_parameters, search_here
 from attest_mav.filters.registry import default_filter

@@ -6,7 +6,7 @@ import pytest
 from click.testing import CliRunner
 
 from attest_mav.cli.service import command
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.errors import UnwritableError, UsageError
 from attest_mav.installation import machine, plan
 from attest_mav.installation.unit_folders import unit_remarks

@@ -7,7 +7,7 @@ from itertools import cycle, pairwise
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.errors import ConfigError
 from attest_mav.logs.tlog.reader import TlogReader
 from attest_mav.mavlink.dialect import load_dialect

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.errors import ConfigError
 from attest_mav.mavlink.component.notes import WARNING, Note
 from attest_mav.mavlink.dialect import load_dialect

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import pytest
 
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.mavlink.dialect import load_dialect
 from attest_mav.runtime.notify import Notifier
 from attest_mav.runtime.reporter import Reporter

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.errors import ConfigError
 from attest_mav.mavlink.dialect import load_dialect
 from attest_mav.runtime.state_keeper import StateKeeper, state_path

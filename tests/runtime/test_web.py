@@ -2,17 +2,18 @@
 
 import json
 import logging
+import re
 import select
 import socket
 
 import pytest
 
 from attest_mav.config.link_url import parse_link
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.mavlink.dialect import load_dialect
 from attest_mav.runtime.loop import READ, WRITE
 from attest_mav.runtime.web.client import REQUEST_NS, Client
-from attest_mav.runtime.web.server import EVENTS_NS, MAX_CLIENTS, MAX_STREAMS, RETRY_NS, WebServer
+from attest_mav.runtime.web.server import EVENTS_NS, FILES, MAX_CLIENTS, MAX_STREAMS, RETRY_NS, WebServer
 from attest_mav.service.assembly import service_settings
 from attest_mav.service.service import Service
 from attest_mav.types import EarthField
@@ -138,11 +139,16 @@ def test_the_page_with_all_that_it_asks_for_and_nothing_else(served):
     assert head.startswith("HTTP/1.1 200 OK\r\n")
     assert "Content-Security-Policy: default-src 'none'; script-src 'self';" in head
     text = page.decode()
-    for path in ("/live.js", "/live.css", "/palette.css"):
-        assert f'"{path}"' in text
+    asked, left = {"/live.js", "/live.css", "/palette.css"}, ["/live.js", "/live.css", "/palette.css"]
+    assert all(f'"{path}"' in text for path in asked)
+    for path in left:  # grows by what the scripts import
         head, body = served.get(path)
         assert head.startswith("HTTP/1.1 200 OK\r\n")
         assert len(body) > 500
+        imports = {f"/{name}" for name in re.findall(r'from "\./(\w+\.js)"', body.decode())}
+        left += sorted(imports - asked)
+        asked |= imports
+    assert asked == FILES.keys() - {"/"}
     assert "http" not in text
     assert "style=" not in text
     assert "<script>" not in text

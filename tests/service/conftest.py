@@ -8,7 +8,8 @@ import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from attest_mav.algebra import heading_between, tilt_between
-from attest_mav.config.records import Config, parse_config
+from attest_mav.config.parsing import parse_config
+from attest_mav.config.records import Config
 from attest_mav.mavlink.component.notes import Note
 from attest_mav.mavlink.dialect import Dialect, load_dialect
 from attest_mav.service.assembly import service_settings

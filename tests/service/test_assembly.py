@@ -4,7 +4,8 @@ from math import isnan, radians
 
 import pytest
 
-from attest_mav.config.records import Config, parse_config
+from attest_mav.config.parsing import parse_config
+from attest_mav.config.records import Config
 from attest_mav.service.assembly import service_settings
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.service.kept_state import KeptState, parse_state, state_text
 from attest_mav.sim.settings import SimSettings
 

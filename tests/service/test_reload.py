@@ -4,7 +4,7 @@ from math import radians
 
 import pytest
 
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.service.assembly import service_settings
 
 from .test_own_parameters import set_to
@@ -65,6 +65,6 @@ def test_what_a_station_has_set_stays(flight):
     assert set_to(f, b"ATT_RATE", 2.0) == [2.0]
     f.service.use(settings("[output]\nrate_hz = 10\nmax_sigma_deg = 2.5\n", "parameters = true\n"))
     f.run_until(7.0)
-    assert f.service._settings.pipeline.max_sigma == pytest.approx(radians(2.5))
+    assert f.service._tuning.pipeline.max_sigma == pytest.approx(radians(2.5))
     f.run_until(10.1)
     assert 5 <= len(f.of_type("ATTITUDE_QUATERNION", 7.0, 10.0)) <= 7

@@ -6,7 +6,8 @@ import pickle
 import pytest
 
 from attest_mav.estimation.events import Agreement
-from attest_mav.service.snapshot import Traffic, rates_between
+from attest_mav.service.link_records import Traffic
+from attest_mav.service.snapshot import rates_between
 from attest_mav.sim.fault_text import parse_faults
 from attest_mav.sim.settings import SimSettings
 

@@ -6,7 +6,7 @@ import pytest
 
 from attest_mav.estimate import Estimate
 from attest_mav.mavlink.constants import MAV_STATE_CALIBRATING
-from attest_mav.service.status import filter_text
+from attest_mav.service.status import attitude_text, filter_text
 from attest_mav.sim.settings import SimSettings
 from attest_mav.types import North
 
@@ -35,6 +35,12 @@ def estimate(name, tilt_sigma, heading_sigma):
 )
 def test_the_filter_is_named_with_what_it_rests_on_and_how_sure_it_is(name, rests_on, sigmas, text):
     assert filter_text(estimate(name, *sigmas), rests_on) == text
+
+
+def test_an_angle_that_rounds_to_zero_has_no_sign_and_a_yaw_is_below_360():
+    north = (1.0, -1e-4, -1e-4, -1e-4)
+    one = Estimate("RAW_IMU", "leveling", 0, 0, north, (0.0, 0.0, 0.0), North.TRUE, nan, nan, 0.02)
+    assert attitude_text(one) == "roll +0.0 pitch +0.0 yaw 0.0 (true)"
 
 
 def witness(flight):

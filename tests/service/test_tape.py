@@ -7,7 +7,7 @@ from pymavlink import mavutil
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from attest_mav.config.calibration import kept_calibration
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.filters.calibration import SensorCalibration, UncertainVector
 from attest_mav.logs.tlog.reader import TlogReader
 from attest_mav.logs.tlog.source import TlogSource

@@ -5,7 +5,7 @@ from struct import pack_into, unpack_from
 
 import pytest
 
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.mavlink.component.encoder import Encoder
 from attest_mav.mavlink.wire.checksum import with_checksum
 from attest_mav.sim.fault_text import parse_faults

@@ -8,11 +8,11 @@ from math import degrees
 import pytest
 
 from attest_mav.algebra import q_to_euler
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.mavlink.dialect import load_dialect
 from attest_mav.service.assembly import service_settings
+from attest_mav.service.link_records import Traffic
 from attest_mav.service.service import Service
-from attest_mav.service.snapshot import Traffic
 from attest_mav.sim.autopilot import FakeAutopilot
 from attest_mav.sim.settings import SimSettings
 from attest_mav.types import EarthField

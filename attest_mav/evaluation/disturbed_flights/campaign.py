@@ -7,7 +7,7 @@ from math import isfinite
 from random import Random
 from typing import Final
 
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.evaluation.disturbed_flights.flight import LOOK_NS, Outcome, Watch
 from attest_mav.evaluation.disturbed_flights.line import DisturbedLine
 from attest_mav.evaluation.disturbed_flights.row import BEGIN_S, DOUBT, Disturbance, Tools

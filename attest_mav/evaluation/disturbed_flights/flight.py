@@ -7,7 +7,7 @@ from math import degrees, hypot, inf, radians
 from typing import Final
 
 from attest_mav.algebra import q_from_euler, tilt_between
-from attest_mav.config.records import parse_config
+from attest_mav.config.parsing import parse_config
 from attest_mav.estimation.events import Agreement
 from attest_mav.evaluation.disturbed_flights.line import DisturbedLine
 from attest_mav.evaluation.disturbed_flights.row import Disturbance, Tools

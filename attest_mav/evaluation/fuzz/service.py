@@ -5,7 +5,8 @@ from random import Random
 from typing import Final
 
 from attest_mav.algebra import norm, q_norm
-from attest_mav.config.records import Config, parse_config
+from attest_mav.config.parsing import parse_config
+from attest_mav.config.records import Config
 from attest_mav.evaluation.disturbed_flights.frames import message_id
 from attest_mav.evaluation.fuzz.hostile_line import HostileLine
 from attest_mav.evaluation.fuzz.violation import require

@@ -35,6 +35,10 @@ FILES: Final = {
     "/": ("attest_mav.web", "live.html"),
     "/live.css": ("attest_mav.web", "live.css"),
     "/live.js": ("attest_mav.web", "live.js"),
+    "/charts.js": ("attest_mav.web", "charts.js"),
+    "/elements.js": ("attest_mav.web", "elements.js"),
+    "/horizon.js": ("attest_mav.web", "horizon.js"),
+    "/tables.js": ("attest_mav.web", "tables.js"),
     "/palette.css": ("attest_mav.report", "palette.css"),
 }
 
