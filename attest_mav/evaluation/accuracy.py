@@ -19,6 +19,7 @@ from attest_mav.evaluation.flight_study.figures import Figures, Line, at_least, 
 from attest_mav.evaluation.flight_study.flying import ErrorLog, Errors, recorded
 from attest_mav.evaluation.flight_study.sensor_errors import ALONE, SETS, with_sensor_errors
 from attest_mav.evaluation.harness import Bound
+from attest_mav.filters.calibration import SensorCalibration
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.logs.source import SMOOTHED
 from attest_mav.logs.tlog.source import open_tlog
@@ -54,6 +55,8 @@ class Case:
     """Beginnings of the disturbances of the edits, within which errors count alone."""
     by_smoothed: bool = False
     """The reference is the smoothed attitude, and the figure the autopilot's error against that over the true one."""
+    earlier: str = ""
+    """An earlier flight of the same sensors, which has shown their errors; "" for none."""
 
 
 def _bounds(live: tuple[float, float] | None, smoothed: tuple[float, float] | None) -> dict[str, Bound]:
@@ -90,6 +93,13 @@ _IRON_PLACES: Final = (40.0, 130.0, 230.0)
 _OUTAGE: Final = {"smoother tilt": at_most(0.06)}
 _IRON_BOUNDS: Final = {"smoother tilt": at_most(0.08), "smoother heading": at_most(0.15)}
 
+
+def _after(earlier: str, log: str, kind: str, live: tuple[float, float] | None) -> Case:
+    """Sensors whose errors an earlier flight has shown."""
+    bounds = _bounds(live, None) | _COVERED
+    return Case(log, f"{kind} sensors, after {earlier}", _sensors(kind), bounds, earlier=earlier)
+
+
 CASES: Final = (
     Case("copter_square", "as it is", (WHOLE,), _bounds((0.075, 0.10), (0.03, 0.06)) | _NOT_TIMID),
     Case("copter_square", "typical sensors", _sensors("typical"), _bounds((0.43, 1.0), (0.15, 0.25)) | _HONEST),
@@ -98,12 +108,16 @@ CASES: Final = (
     Case("copter_square", "iron of 200 mG", _iron(*_IRON_PLACES), _IRON_BOUNDS, _IRON_PLACES),
     Case("copter_square", "judged by smoothed", (WHOLE,), {"ratio": (0.85, 1.15)}, by_smoothed=True),
     *(Case("copter_square", kind, _sensors(kind), _COVERED) for kind in ALONE),
+    _after("plane_circles", "copter_square", "typical", (0.43, 1.0)),
+    _after("plane_circles", "copter_square", "poor", None),
     Case("plane_circles", "as it is", (WHOLE,), _bounds((0.085, 0.10), (0.03, 0.03)) | _NOT_TIMID),
     Case("plane_circles", "typical sensors", _sensors("typical"), _bounds((0.37, 0.42), (0.14, 0.17)) | _HONEST),
     Case("plane_circles", "poor sensors", _sensors("poor"), _bounds(None, (0.35, 0.65)) | _HONEST),
     Case("plane_circles", "60 s without fixes", _outages(*_PLACES), _OUTAGE, _PLACES),
     Case("plane_circles", "iron of 200 mG", _iron(*_IRON_PLACES), _IRON_BOUNDS, _IRON_PLACES),
     *(Case("plane_circles", kind, _sensors(kind), _COVERED) for kind in ALONE),
+    _after("copter_square", "plane_circles", "typical", (0.37, 0.42)),
+    _after("copter_square", "plane_circles", "poor", None),
     Case(
         "plane_turbulent",
         "as it is",
@@ -119,13 +133,17 @@ SHORT: Final = (
 """Logs of less than half a minute, too short for figures of the live filter; they are among the tests' data."""
 
 
-def measured(case: Case, log: bytes) -> Line:
-    """The figures of a case beside its bounds. log: the bytes of the tlog."""
+def measured(case: Case, log: bytes, earlier: bytes = b"") -> Line:
+    """The figures of a case beside its bounds. log, earlier: the bytes of the tlogs."""
     # Edits are of one sensor; a log as it is flies with all of them, as in a replay.
     recording = record(open_tlog(log), every_sensor=True) if case.edits == (WHOLE,) else recorded(log)
     if case.by_smoothed:
         return Line(_label(case), _judged(recording), case.bounds)
-    flights = [_flown(recording, edit(recording.samples, recording.plan.imu)) for edit in case.edits]
+    before = recorded(earlier) if case.earlier else None
+    flights = [
+        _flown(recording, edit(recording.samples, recording.plan.imu), calibrations=_shown_by(before, edit))
+        for edit in case.edits
+    ]
     found: Figures = {}
     for name, key in (("live", LIVE), ("smoother", SMOOTHED)):
         parts = [_counted(flight[key], case, place) for place, flight in enumerate(flights)]
@@ -141,16 +159,38 @@ def _label(case: Case) -> str:
     return f"{case.log}, {case.condition}"
 
 
-def _flown(recording: Recording, samples: Sequence[Sample], *, as_reference: bool = False) -> ErrorsByName:
+def _shown_by(earlier: Recording | None, edit: Edit) -> dict[str, SensorCalibration]:
+    """The errors of the sensors that an earlier flight has shown, by inertial message."""
+    if earlier is None:
+        return {}
+    one, earth = VelocityAided().with_vehicle_settings(earlier.settings), _field(earlier)
+    flight = Flight(earlier.plan, [one], earth, Window())
+    for sample in edit(earlier.samples, earlier.plan.imu):
+        flight.take(sample)
+    flight.finish()
+    return flight.runs[0].pipeline.learned
+
+
+def _field(recording: Recording) -> EarthField:
+    return EarthField() if recording.earth_field is None else recording.earth_field.direction
+
+
+def _flown(
+    recording: Recording,
+    samples: Sequence[Sample],
+    *,
+    as_reference: bool = False,
+    calibrations: dict[str, SensorCalibration] | None = None,
+) -> ErrorsByName:
     """Errors of the live filter, of the smoother and of the autopilot."""
     one = VelocityAided().with_vehicle_settings(recording.settings)
-    earth = EarthField() if recording.earth_field is None else recording.earth_field.direction
-    plan = recording.plan
+    earth, plan = _field(recording), recording.plan
     to_smooth = FlightToSmooth(samples, plan.imu, (), earth, PipelineSettings(), one.parameters)
     log = ErrorLog()
     if as_reference:
         plan = replace(plan, reference=SMOOTHED)
     flight = Flight(plan, [one], earth, Window(), sink=log, smoothed=smoothed_flight(to_smooth))
+    flight.runs[0].pipeline.vehicle.calibrations = calibrations or {}
     for sample in samples:
         flight.take(sample)
     flight.finish()
@@ -201,6 +241,6 @@ def _judged(recording: Recording) -> Figures:
 def run(cases: Sequence[Case], read: Callable[[str], bytes | None]) -> Iterator[Line]:
     """The line of each case whose log is there. read: the bytes of the log of that name, None where it is not there."""
     for case in cases:
-        log = read(case.log)
-        if log is not None:
-            yield measured(case, log)
+        log, earlier = read(case.log), read(case.earlier) if case.earlier else b""
+        if log is not None and earlier is not None:
+            yield measured(case, log, earlier)
