@@ -102,6 +102,11 @@ class Lane:
         state = self._run.state
         return "" if state is None else state.rests_on
 
+    @property
+    def is_calibrated(self) -> bool:
+        """Whether the filter goes on from sensor errors of earlier flights."""
+        return self._run.is_calibrated
+
     def continue_sign(self, q_nb: Quat) -> None:
         """Put out the quaternion of the sign that follows this one: q and -q are the same attitude."""
         self._run.output = q_nb

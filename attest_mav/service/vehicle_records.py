@@ -76,6 +76,8 @@ class LaneSnapshot:
     """Why it is set aside: sensor, axis and size; "" while it is used."""
     rests_on: str
     """The aiding that holds the attitude, "" for a filter that always has the same."""
+    is_calibrated: bool
+    """Whether the filter goes on from sensor errors of earlier flights."""
     field_lost_s: float
     """Time since its magnetometer could last be used, s; 0 where it never could."""
     samples: int
