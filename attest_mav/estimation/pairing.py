@@ -53,15 +53,15 @@ class Pairing:
         """The newest estimate, None while there is none."""
         return self._estimates.newest if self._estimates.count > 0 else None
 
-    def take(self, estimate: Estimate) -> list[AttitudeSample]:
+    def take(self, estimate: Estimate) -> tuple[AttitudeSample, ...]:
         """Keep the newest estimate; the attitudes that waited for it, in order."""
         kept = self._estimates
         kept.append(estimate)
         while kept.count > 2 and (kept.count > MAX_KEPT or estimate.t_ns - kept.at(1).t_ns > KEPT_NS):
             kept.pop_oldest()
         if not self._waiting:
-            return []
-        ready = [one for one in self._waiting if not self._is_ahead(one, estimate)]
+            return ()
+        ready = tuple([one for one in self._waiting if not self._is_ahead(one, estimate)])
         self._waiting = [one for one in self._waiting if self._is_ahead(one, estimate)]
         return ready
 

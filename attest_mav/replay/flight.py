@@ -200,13 +200,13 @@ class Flight:
         for run in self.runs:
             if abs(run.poll_ns - sample.rx_ns) >= POLL_NS:
                 run.poll_ns = sample.rx_ns
-                self._judge(run, run.pipeline.poll(sample.rx_ns))
+                self._judge(run, tuple(run.pipeline.poll(sample.rx_ns)))
                 run.verdicts.settle(elapsed_s, sample.rx_ns)
             events = run.pipeline.handle(sample)
             is_selected = sample.source == run.pipeline.selected
             for event in events:
                 if not isinstance(event, Estimate):
-                    self._judge(run, [event])
+                    self._judge(run, (event,))
                 elif is_selected:
                     if observer is not None:
                         observer.estimate(run.comparison.name, event, sample)
@@ -231,7 +231,7 @@ class Flight:
             self.reference_samples += 1
             self._extend_reference(sample.t_ns, estimate.q_nb, estimate.rates)
 
-    def _judge(self, run: FilterRun, events: Sequence[Event]) -> None:
+    def _judge(self, run: FilterRun, events: tuple[Event, ...]) -> None:
         """Keep the verdicts beside a filter, and the events of its lane."""
         for event in events:
             if isinstance(event, Verdict):
