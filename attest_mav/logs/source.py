@@ -166,7 +166,7 @@ class SampleBatch:
     def __init__(self, samples: list[Sample], positions: list[int], share: float) -> None:
         self.samples: Final = samples
         self.positions: Final = positions
-        """For each sample the end of its record in the log; only the source's own ``EstimateWriter`` uses it."""
+        """For each sample the end of its record in the log, for the source's ``EstimateWriter``; empty without one."""
         self.share: Final = share
         """Share of the log that has been read, 0 to 1."""
 
@@ -212,4 +212,7 @@ class AnnotatableSource(LogSource, Protocol):
     """A log whose format can hold our estimates."""
 
     def estimate_writer(self, plan: Plan, sink: ByteSink) -> EstimateWriter:
-        """A writer of this log with estimates of the plan's vehicle inserted, into ``sink``."""
+        """A writer of this log with estimates of the plan's vehicle inserted, into ``sink``.
+
+        From now on ``samples`` tells positions.
+        """
