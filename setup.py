@@ -25,6 +25,9 @@ LITTLE_MEMORY = ["--param", "ggc-min-expand=5", "--param", "ggc-min-heapsize=163
 WITHOUT_STUBS = ["-fno-plt"]
 """Python's own functions are called through their address in a table, without a jump in between."""
 
+WITHOUT_EXPORTS = ["-fvisibility=hidden"]
+"""The core's constants and classes are read at their own address, and not through a table that the start fills in."""
+
 
 def core_extensions():
     """The extension modules of the core, or none when this is not a wheel build."""
@@ -37,7 +40,7 @@ def core_extensions():
     # Without the first, position-independent code calls every small function through a table instead of inlining it:
     # steps of the filters then take twice as long. The second keeps compiled equal to interpreted.
     flags = ["-fno-semantic-interposition", "-ffp-contract=off"]
-    for more in (LITTLE_MEMORY, WITHOUT_STUBS):
+    for more in (LITTLE_MEMORY, WITHOUT_STUBS, WITHOUT_EXPORTS):
         if compiler_takes(more):
             flags += more
     # The files of the core call each other directly, too, instead of through a table.

@@ -1,5 +1,5 @@
 """``python -m attest_mav`` is ``attest-mav``."""
 
-from attest_mav.cli.main import main
+from attest_mav.cli.entry import main
 
 main()

@@ -40,7 +40,8 @@ class ImuSample(Sample):
 
     gyro: angular rate, rad/s. accel: specific force, m/s^2. mag: field, gauss; None when the message carries
     none or a field of zeros. saturated: a gyro or accelerometer component is at 99 % of its range or more. quantum: the
-    resolution of the readings.
+    resolution of the readings. has_field, field: the same as mag without an object for it; field holds nothing where
+    has_field is False.
     """
 
     def __init__(
@@ -59,9 +60,15 @@ class ImuSample(Sample):
         super().__init__(source, system, component, t_ns, rx_ns)
         self.gyro: Final = gyro
         self.accel: Final = accel
-        self.mag: Final = mag
+        self.has_field: Final = mag is not None
+        self.field: Final[Vec3] = (0.0, 0.0, 0.0) if mag is None else mag
         self.saturated: Final = saturated
         self.quantum: Final = quantum
+
+    @property
+    def mag(self) -> Vec3 | None:
+        """The field, gauss; None when the sample has none."""
+        return self.field if self.has_field else None
 
     def with_readings(self, gyro: Vec3, accel: Vec3, mag: Vec3 | None) -> "ImuSample":
         """The same sample with other readings; units as above."""

@@ -22,6 +22,7 @@ from mypyc.options import CompilerOptions
 
 CORE = [
     "record.py",
+    "ring_buffer.py",
     "types.py",
     "samples.py",
     "vehicle_settings.py",

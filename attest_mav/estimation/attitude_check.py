@@ -51,10 +51,10 @@ class AttitudeCheck:
         self._settings = settings
         self.judge.use(settings)
 
-    def take(self, sample: AttitudeSample) -> list[Verdict]:
+    def take(self, sample: AttitudeSample) -> tuple[Verdict, ...]:
         """Judge an attitude that the autopilot flies by; others tell nothing."""
         if sample.role != AttitudeRole.AUTOPILOT:
-            return []
+            return ()
         source = self._sources.get(sample.source)
         if source is None:
             source = self._sources[sample.source] = _Source(sample.form)
@@ -64,16 +64,16 @@ class AttitudeCheck:
             self.attitude = sample
         return self._chosen(self.judge.judge(sample))
 
-    def refuse(self, sample: AttitudeSample) -> list[Verdict]:
+    def refuse(self, sample: AttitudeSample) -> tuple[Verdict, ...]:
         """Take an attitude whose frame is not known; the verdict that follows once no other one comes."""
         now_ns = sample.rx_ns
         if sample.role != AttitudeRole.AUTOPILOT:
-            return []
+            return ()
         self._refused_ns = now_ns
         said = self.verdict is not None and self.verdict.reason == UNKNOWN_FRAME
         if said or any(self._is_live(name, now_ns) for name in self._sources):
-            return []
-        return [self.undecided(UNKNOWN_FRAME, now_ns)]
+            return ()
+        return (self.undecided(UNKNOWN_FRAME, now_ns),)
 
     def take_estimate(
         self,
@@ -82,7 +82,7 @@ class AttitudeCheck:
         *,
         doubts: bool = False,
         readings: Mapping[str, FieldReading] | None = None,
-    ) -> list[Verdict]:
+    ) -> tuple[Verdict, ...]:
         """Take our newest attitude, see ``Judge.take_estimate``; the verdicts on attitudes that waited for it."""
         return self._chosen(self.judge.take_estimate(estimate, members, doubts=doubts, readings=readings))
 
@@ -91,16 +91,16 @@ class AttitudeCheck:
         self.verdict = Verdict(Agreement.UNDECIDED, reason, nan, nan, self._preferred(now_ns), -1, now_ns)
         return self.verdict
 
-    def poll(self, now_ns: int) -> list[Verdict]:
+    def poll(self, now_ns: int) -> tuple[Verdict, ...]:
         """The verdict that follows from no attitude having come until then (host clock)."""
         deadline_ns = self.deadline_ns
         if deadline_ns is None or now_ns < deadline_ns:
-            return []
+            return ()
         verdict = self.undecided("no-reference", now_ns)
         self._sources.clear()
         self.judge.forget_attitudes()
         self._refused_ns = -1
-        return [verdict]
+        return (verdict,)
 
     @property
     def deadline_ns(self) -> int | None:
@@ -110,9 +110,9 @@ class AttitudeCheck:
             deadlines.append(self._refused_ns + int(1e9 * self._settings.stale_s))
         return max(deadlines, default=None)
 
-    def _chosen(self, verdicts: list[Verdict]) -> list[Verdict]:
+    def _chosen(self, verdicts: tuple[Verdict, ...]) -> tuple[Verdict, ...]:
         """Those of the verdicts that become the verdict."""
-        return [verdict for verdict in verdicts if self._becomes(verdict)]
+        return tuple([verdict for verdict in verdicts if self._becomes(verdict)]) if verdicts else ()
 
     def _becomes(self, verdict: Verdict) -> bool:
         now_ns = verdict.rx_ns

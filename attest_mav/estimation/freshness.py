@@ -21,7 +21,7 @@ class FreshnessWatch:
         self._rx_ns = -1
         self._told = False
 
-    def take(self, sample: ImuSample, delay_s: float, limit_s: float) -> list[LaneEvent]:
+    def take(self, sample: ImuSample, delay_s: float, limit_s: float) -> LaneEvent | None:
         """Take the delay of the newest sample: the event to be told, if any."""
         self._rx_ns = sample.rx_ns
         if delay_s <= limit_s:
@@ -31,8 +31,8 @@ class FreshnessWatch:
         if self._since_ns < 0:
             self._since_ns = sample.rx_ns
         if self._told or sample.rx_ns - self._since_ns < TOLD_NS:
-            return []
-        return [self._delayed(sample.source, sample.t_ns, sample.rx_ns)]
+            return None
+        return self._delayed(sample.source, sample.t_ns, sample.rx_ns)
 
     def stopped(self, estimate: Estimate, now_ns: int, stale_ns: int) -> LaneEvent:
         """The event that the newest estimate does not hold any more: samples come too late, or none come."""
@@ -45,11 +45,11 @@ class FreshnessWatch:
         self._told = True
         return LaneEvent(lane, LaneEventKind.DELAYED, t_ns, rx_ns, f"samples come {self.late_by_s:.2f} s late")
 
-    def _recovered(self, sample: ImuSample) -> list[LaneEvent]:
+    def _recovered(self, sample: ImuSample) -> LaneEvent | None:
         told, worst_s = self._told, self._worst_s
         self.late_by_s = self._worst_s = 0.0
         self._since_ns, self._told = -1, False
         if not told:
-            return []
+            return None
         text = f"samples come in time again; they were up to {worst_s:.2f} s late"
-        return [LaneEvent(sample.source, LaneEventKind.IN_TIME, sample.t_ns, sample.rx_ns, text)]
+        return LaneEvent(sample.source, LaneEventKind.IN_TIME, sample.t_ns, sample.rx_ns, text)

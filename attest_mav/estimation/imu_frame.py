@@ -34,7 +34,7 @@ MAX_PAST: Final = 8
 """Changes that are remembered for notes."""
 
 
-@mypyc_attr(acyclic=True)  # as Sample
+@mypyc_attr(acyclic=True, free_list_len=1)  # as Sample
 class _Removed:
     """The angles that were taken off an attitude: the trim, and a pitch by its name; rad."""
 
@@ -173,9 +173,12 @@ class ImuFrame:
         return (rule.trim == TrimForm.NONE or trims.are_told) and (trims.pitch_is_told or not needs_pitch)
 
     def _known(self, sample: AttitudeSample, q_nb: Quat, removed: _Removed, is_told: bool) -> AttitudeSample:
-        past = self._removed.setdefault(sample.source, [])
-        if not past or past[-1].differs(removed):
+        past = self._removed.get(sample.source)
+        if past is None:
+            self._removed[sample.source] = [removed]
+        elif past[-1].differs(removed):
             past.append(removed)
             del past[:-MAX_PAST]
-        self._refusals.pop(sample.source, None)
+        if self._refusals:
+            self._refusals.pop(sample.source, None)
         return sample.with_attitude(q_nb, is_told)

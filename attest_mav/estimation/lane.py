@@ -148,7 +148,7 @@ class Lane:
         dt_s = step.dt_s + self._frozen_s
         missing = step.kind in (StepKind.GAP, StepKind.RESTART) or self._frozen_s > 0.0
         self._is_frozen, self._frozen_s = False, 0.0
-        if not self._field.usable(sample, norm(sample.gyro) * step.dt_s, step.dt_s) and sample.mag is not None:
+        if not self._field.usable(sample, norm(sample.gyro) * step.dt_s, step.dt_s) and sample.has_field:
             sample = sample.with_readings(sample.gyro, sample.accel, None)
         self._inputs.advance(sample, step.dt_s)
         self._step(sample, dt_s, missing, events)

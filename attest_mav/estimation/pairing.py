@@ -5,7 +5,6 @@ with the rates of both; one that is newer than the last estimate waits for the n
 rates carry it there. The part of the turn that rates at the ends cannot show is ``slack``.
 """
 
-from collections import deque
 from typing import Final
 
 from mypy_extensions import mypyc_attr
@@ -14,6 +13,7 @@ from attest_mav.algebra import add, norm, q_exp, q_mul, scale, sub
 from attest_mav.estimate import Estimate
 from attest_mav.estimation.timebase import wrapped_difference_ns
 from attest_mav.record import Record
+from attest_mav.ring_buffer import RingBuffer
 from attest_mav.samples import AttitudeSample
 from attest_mav.types import Quat, Vec3
 
@@ -45,24 +45,24 @@ class Pairing:
     """Keeps the newest estimates, and the autopilot's attitudes that wait for the next one."""
 
     def __init__(self) -> None:
-        self._estimates: deque[Estimate] = deque()
-        self._waiting: deque[AttitudeSample] = deque()
+        self._estimates: Final[RingBuffer[Estimate]] = RingBuffer()
+        self._waiting: list[AttitudeSample] = []
 
     @property
     def newest(self) -> Estimate | None:
         """The newest estimate, None while there is none."""
-        return self._estimates[-1] if self._estimates else None
+        return self._estimates.newest if self._estimates.count > 0 else None
 
-    def take(self, estimate: Estimate) -> list[AttitudeSample]:
+    def take(self, estimate: Estimate) -> tuple[AttitudeSample, ...]:
         """Keep the newest estimate; the attitudes that waited for it, in order."""
         kept = self._estimates
         kept.append(estimate)
-        while len(kept) > 2 and (len(kept) > MAX_KEPT or estimate.t_ns - kept[1].t_ns > KEPT_NS):
-            kept.popleft()
+        while kept.count > 2 and (kept.count > MAX_KEPT or estimate.t_ns - kept.at(1).t_ns > KEPT_NS):
+            kept.pop_oldest()
         if not self._waiting:
-            return []
-        ready = [one for one in self._waiting if not self._is_ahead(one, estimate)]
-        self._waiting = deque(one for one in self._waiting if self._is_ahead(one, estimate))
+            return ()
+        ready = tuple([one for one in self._waiting if not self._is_ahead(one, estimate)])
+        self._waiting = [one for one in self._waiting if self._is_ahead(one, estimate)]
         return ready
 
     def forget(self) -> None:
@@ -80,14 +80,15 @@ class Pairing:
         if newest is None or not self._is_ahead(reference, newest):
             return False
         if len(self._waiting) >= MAX_WAITING:
-            self._waiting.popleft()
+            del self._waiting[0]
         self._waiting.append(reference)
         return True
 
     def at(self, t_ns: int) -> Carried | None:
         """Our attitude then, None where no estimate is near enough."""
         after: Estimate | None = None
-        for estimate in reversed(self._estimates):
+        for index in range(self._estimates.count - 1, -1, -1):
+            estimate = self._estimates.at(index)
             apart_s = wrapped_difference_ns(t_ns, estimate.t_ns) * 1e-9
             if apart_s >= 0.0:
                 return _ahead(estimate, apart_s) if after is None else _between(estimate, after, apart_s)

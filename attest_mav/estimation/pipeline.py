@@ -171,7 +171,7 @@ class Pipeline:
             self._check.judge.trim_moved = False
         return []
 
-    def compare(self, sample: AttitudeSample) -> list[Verdict]:
+    def compare(self, sample: AttitudeSample) -> tuple[Verdict, ...]:
         """Judge an attitude of the autopilot that stands in the frame of the inertial messages."""
         return self._check.take(sample)
 
@@ -245,12 +245,14 @@ class Pipeline:
         if lane.samples > taken:
             before = self.selected
             if self._witness is not None:
-                events += self._witness.advance(source)
+                self._witness.advance(source, events)
             if self.selected != before and self.estimate is not None:
                 self.lanes[self.selected].continue_sign(self.estimate.q_nb)
             if source == self.selected:
-                events += self._follow_selected(events)
-                events += self.freshness.take(sample, lane.delay_s, 1e-9 * self._stale_ns())
+                events.extend(self._follow_selected(events))
+                late = self.freshness.take(sample, lane.delay_s, 1e-9 * self._stale_ns())
+                if late is not None:
+                    events.append(late)
         return events
 
     def _forget_if_rebooted(self, events: list[Event]) -> None:
@@ -259,21 +261,21 @@ class Pipeline:
             if isinstance(event, LaneEvent) and event.kind == LaneEventKind.REBOOTED:
                 self.vehicle.forget_trims()
 
-    def _follow_selected(self, events: list[Event]) -> list[Event]:
+    def _follow_selected(self, events: list[Event]) -> tuple[Verdict, ...]:
         """Take over the selected lane's new estimate; there is none while its filter aligns."""
         for event in events:
             if isinstance(event, Estimate):
                 if 1e9 * event.delay_s > self._stale_ns():
-                    return []
+                    return ()
                 self.estimate = event
                 witness = self._witness
                 if witness is None:
-                    return [*self._check.take_estimate(event)]
+                    return self._check.take_estimate(event)
                 readings = witness.compasses.newest
-                return [*self._check.take_estimate(event, witness.members, doubts=witness.doubts, readings=readings)]
+                return self._check.take_estimate(event, witness.members, doubts=witness.doubts, readings=readings)
         self.estimate = None
         self._check.judge.forget_estimate()
-        return []
+        return ()
 
     def _stale_ns(self) -> int:
         """Without a sample for this long there is no estimate, ns: a slow stream has its own intervals."""

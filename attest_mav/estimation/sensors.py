@@ -26,19 +26,22 @@ class FreezeDetector:
     def __init__(self) -> None:
         self._gyro: Vec3 = (0.0, 0.0, 0.0)
         self._accel: Vec3 = (0.0, 0.0, 0.0)
-        self._mag: Vec3 | None = None
+        self._has_field = False
+        self._field: Vec3 = (0.0, 0.0, 0.0)
         self._same_s = 0.0
         self._same_count = 0
 
     def frozen(self, sample: ImuSample, dt_s: float) -> bool:
         """True while the readings, this one included, are frozen."""
-        if sample.gyro == self._gyro and sample.accel == self._accel and sample.mag == self._mag:
+        same_field = sample.has_field == self._has_field and sample.field == self._field
+        if same_field and sample.gyro == self._gyro and sample.accel == self._accel:
             self._same_s += dt_s
             self._same_count += 1
         else:
             self._gyro = sample.gyro
             self._accel = sample.accel
-            self._mag = sample.mag
+            self._has_field = sample.has_field
+            self._field = sample.field
             self._same_s = 0.0
             self._same_count = 0
         return self._same_s >= FROZEN_S and self._same_count >= FROZEN_MIN_SAMPLES and norm(self._gyro) > FROZEN_RATE
@@ -60,12 +63,11 @@ class StuckMagnetometer:
 
     def usable(self, sample: ImuSample, turn: float, dt_s: float) -> bool:
         """True when the sample's field can be used. ``turn``: angle turned since the sample before, rad."""
-        mag = sample.mag
         self._turned += turn
-        if mag is not None and mag != self._last:
-            self._last = mag
+        if sample.has_field and sample.field != self._last:
+            self._last = sample.field
             self._turned = 0.0
-        if mag is None or self._turned > FIELD_TURN:
+        if not sample.has_field or self._turned > FIELD_TURN:
             self.absent_s += dt_s
             return False
         self.absent_s = 0.0

@@ -97,6 +97,8 @@ class Vehicle:
         """rad, NaN while there was no position."""
         self._settings = settings
         self._air: AirDataSample | None = None
+        self._airspeed: Airspeed | None = None
+        """The airspeed of ``_air``, None where that does not tell it."""
         self._receiver: VelocitySample | None = None
         self._estimated: dict[str, VelocitySample] = {}
         self._speed = nan
@@ -109,6 +111,8 @@ class Vehicle:
             self.landed = sample.on_ground
         elif isinstance(sample, AirDataSample):
             self._air = sample
+            known = is_finite_number(sample.airspeed)
+            self._airspeed = Airspeed(sample.airspeed, sample.airspeed_source) if known else None
         elif isinstance(sample, VelocitySample):
             self._speed = norm(sample.v_ned)
             if sample.origin == VelocityOrigin.RECEIVER:
@@ -179,10 +183,7 @@ class Vehicle:
 
     def airspeed(self, now_ns: int) -> Airspeed | None:
         """The airspeed, None while none is fresh or known."""
-        air = self._air_data(now_ns)
-        if air is None or not is_finite_number(air.airspeed):
-            return None
-        return Airspeed(air.airspeed, air.airspeed_source)
+        return None if self._air_data(now_ns) is None else self._airspeed
 
     def zero_mean_velocity(self, now_ns: int) -> bool:
         """False where the vehicle seems to be under way: it is armed, or says nothing of that and is fast."""

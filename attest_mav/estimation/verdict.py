@@ -91,7 +91,7 @@ class Judge:
         *,
         doubts: bool = False,
         readings: Mapping[str, FieldReading] | None = None,
-    ) -> list[Verdict]:
+    ) -> tuple[Verdict, ...]:
         """Remember the newest estimate, and the attitudes beside it that are not refuted; verdicts that waited.
 
         doubts: neither agreement nor disagreement can be said at present; evidence is collected all the same.
@@ -100,7 +100,8 @@ class Judge:
         self._members = tuple(members)
         self._doubts = doubts
         self._readings = {} if readings is None else readings
-        return [self._weigh(reference) for reference in self._pairing.take(estimate)]
+        waited = self._pairing.take(estimate)
+        return tuple([self._weigh(reference) for reference in waited]) if waited else ()
 
     def forget_estimate(self) -> None:
         """There is no valid estimate any more."""
@@ -117,12 +118,12 @@ class Judge:
         """Judge by other settings from now on."""
         self._settings = settings
 
-    def judge(self, sample: AttitudeSample) -> list[Verdict]:
+    def judge(self, sample: AttitudeSample) -> tuple[Verdict, ...]:
         """The verdict on one attitude of the autopilot, which must carry a time; none while it waits or repeats."""
         source = self._source(sample)
         if source.repeats(sample):
-            return []
-        return [] if self._pairing.waits(sample) else [self._weigh(sample)]
+            return ()
+        return () if self._pairing.waits(sample) else (self._weigh(sample),)
 
     def interval_s(self, source: str) -> float:
         """The usual interval of a source of attitudes, s; 0 while it is not known."""

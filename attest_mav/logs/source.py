@@ -6,7 +6,7 @@ id, frame or file structure: a message is a name, and its uses stand in ``Messag
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Final, Protocol, runtime_checkable
 
 from attest_mav.estimate import Estimate
@@ -28,24 +28,33 @@ EXPECTED: Final = "a tlog, a DataFlash log (.bin, .log) or a ULog"
 """The log formats, for error messages."""
 
 
-@dataclass(frozen=True)
-class MessageRoles:
+class MessageRoles(Record):
     """The uses that a format's messages have, by name. Each tuple is ordered: the preferred one first."""
 
-    inertial: tuple[str, ...]
-    """Inertial messages, on which a filter can run."""
-    truth: tuple[str, ...]
-    """Attitudes of a simulator's vehicle, free of error."""
-    reference: tuple[str, ...]
-    """Attitudes to compare with, the truths among them, in the order in which one is chosen."""
-    named_reference: tuple[str, ...]
-    """Attitudes to compare with if the user names one."""
-    autopilot: tuple[str, ...]
-    """The autopilot's own attitude."""
-    untimed: tuple[str, ...]
-    """Attitudes without a time on the sensor's clock."""
-    other_sensors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    """By inertial message those of the vehicle's other inertial sensors."""
+    def __init__(
+        self,
+        inertial: tuple[str, ...],
+        truth: tuple[str, ...],
+        reference: tuple[str, ...],
+        named_reference: tuple[str, ...],
+        autopilot: tuple[str, ...],
+        untimed: tuple[str, ...],
+        other_sensors: Mapping[str, tuple[str, ...]] | None = None,
+    ) -> None:
+        self.inertial: Final = inertial
+        """Inertial messages, on which a filter can run."""
+        self.truth: Final = truth
+        """Attitudes of a simulator's vehicle, free of error."""
+        self.reference: Final = reference
+        """Attitudes to compare with, the truths among them, in the order in which one is chosen."""
+        self.named_reference: Final = named_reference
+        """Attitudes to compare with if the user names one."""
+        self.autopilot: Final = autopilot
+        """The autopilot's own attitude."""
+        self.untimed: Final = untimed
+        """Attitudes without a time on the sensor's clock."""
+        self.other_sensors: Final[Mapping[str, tuple[str, ...]]] = {} if other_sensors is None else other_sensors
+        """By inertial message those of the vehicle's other inertial sensors."""
 
 
 class FlightDate(Record):
@@ -57,40 +66,54 @@ class FlightDate(Record):
         """A remark for people, "" if nothing speaks against the date."""
 
 
-@dataclass(frozen=True)
-class VehicleSummary:
+class VehicleSummary(Record):
     """The content of a log that comes from one sender."""
 
-    vehicle: VehicleId
-    is_autopilot: bool
-    """True for a sender that says that it is a flight controller."""
-    counts: Mapping[str, int]
-    """Number of messages by name."""
-    inertial: tuple[str, ...]
-    """All inertial messages of the format, the best one for this vehicle first, present or not."""
-    in_simulator: bool
-    """True for a flight in ArduPilot's simulator, whose magnetic field is that of a table."""
-    position: PositionSample | None
-    """The first position with a 3-D fix."""
-    velocity_lack: str
-    """The reason why the log has no receiver velocity, for people; "" if it has one."""
-    settings: VehicleSettings
-    """The settings of the vehicle, from firmware and parameters."""
-    parameters: tuple[ParameterSample, ...]
-    """The parameters in the log behind ``settings``, the last one of each setting."""
-    opening: tuple[Sample, ...] = ()
-    """The vehicle as the log's first samples tell it: its first heartbeat, its firmware, the first value of each
-    parameter."""
-
-    first_settings: VehicleSettings | None = None
-    """The settings that hold before the vehicle has told any; None for a format that tells all at its beginning."""
-
-    date: FlightDate | None = None
-    """The date of the flight; None for that of the position's ``rx_ns``."""
-    spans: Mapping[str, float] = field(default_factory=dict)
-    """Share of the log from the first to the last attitude, by name; 1 where nothing is told."""
-    unfit: Mapping[str, str] = field(default_factory=dict)
-    """Attitudes that nothing can be compared with: the reason for people, by name."""
+    def __init__(
+        self,
+        vehicle: VehicleId,
+        is_autopilot: bool,
+        counts: Mapping[str, int],
+        inertial: tuple[str, ...],
+        in_simulator: bool,
+        position: PositionSample | None,
+        velocity_lack: str,
+        settings: VehicleSettings,
+        parameters: tuple[ParameterSample, ...],
+        opening: tuple[Sample, ...] = (),
+        first_settings: VehicleSettings | None = None,
+        date: FlightDate | None = None,
+        spans: Mapping[str, float] | None = None,
+        unfit: Mapping[str, str] | None = None,
+    ) -> None:
+        self.vehicle: Final = vehicle
+        self.is_autopilot: Final = is_autopilot
+        """True for a sender that says that it is a flight controller."""
+        self.counts: Final = counts
+        """Number of messages by name."""
+        self.inertial: Final = inertial
+        """All inertial messages of the format, the best one for this vehicle first, present or not."""
+        self.in_simulator: Final = in_simulator
+        """True for a flight in ArduPilot's simulator, whose magnetic field is that of a table."""
+        self.position: Final = position
+        """The first position with a 3-D fix."""
+        self.velocity_lack: Final = velocity_lack
+        """The reason why the log has no receiver velocity, for people; "" if it has one."""
+        self.settings: Final = settings
+        """The settings of the vehicle, from firmware and parameters."""
+        self.parameters: Final = parameters
+        """The parameters in the log behind ``settings``, the last one of each setting."""
+        self.opening: Final = opening
+        """The vehicle as the log's first samples tell it: its first heartbeat, its firmware, the first value of each
+        parameter."""
+        self.first_settings: Final = first_settings
+        """The settings that hold before the vehicle has told any; None for a format that tells all at its beginning."""
+        self.date: Final = date
+        """The date of the flight; None for that of the position's ``rx_ns``."""
+        self.spans: Final[Mapping[str, float]] = {} if spans is None else spans
+        """Share of the log from the first to the last attitude, by name; 1 where nothing is told."""
+        self.unfit: Final[Mapping[str, str]] = {} if unfit is None else unfit
+        """Attitudes that nothing can be compared with: the reason for people, by name."""
 
     def count(self, name: str) -> int:
         """Number of messages of that name."""
@@ -102,20 +125,28 @@ class VehicleSummary:
         return not self.velocity_lack
 
 
-@dataclass(frozen=True)
-class LogSummary:
+class LogSummary(Record):
     """The content of a log, from the first pass over it."""
 
-    log_format: str
-    roles: MessageRoles
-    messages: int
-    """Intact messages of all senders."""
-    bad_bytes: int
-    """Bytes that belong to no intact message."""
-    duration_s: float
-    """Time from the first to the last message, s."""
-    vehicles: Mapping[VehicleId, VehicleSummary]
-    """All senders, in order of their ids."""
+    def __init__(
+        self,
+        log_format: str,
+        roles: MessageRoles,
+        messages: int,
+        bad_bytes: int,
+        duration_s: float,
+        vehicles: Mapping[VehicleId, VehicleSummary],
+    ) -> None:
+        self.log_format: Final = log_format
+        self.roles: Final = roles
+        self.messages: Final = messages
+        """Intact messages of all senders."""
+        self.bad_bytes: Final = bad_bytes
+        """Bytes that belong to no intact message."""
+        self.duration_s: Final = duration_s
+        """Time from the first to the last message, s."""
+        self.vehicles: Final = vehicles
+        """All senders, in order of their ids."""
 
 
 @dataclass(frozen=True)
@@ -166,7 +197,7 @@ class SampleBatch:
     def __init__(self, samples: list[Sample], positions: list[int], share: float) -> None:
         self.samples: Final = samples
         self.positions: Final = positions
-        """For each sample the end of its record in the log; only the source's own ``EstimateWriter`` uses it."""
+        """For each sample the end of its record in the log, for the source's ``EstimateWriter``; empty without one."""
         self.share: Final = share
         """Share of the log that has been read, 0 to 1."""
 
@@ -212,4 +243,7 @@ class AnnotatableSource(LogSource, Protocol):
     """A log whose format can hold our estimates."""
 
     def estimate_writer(self, plan: Plan, sink: ByteSink) -> EstimateWriter:
-        """A writer of this log with estimates of the plan's vehicle inserted, into ``sink``."""
+        """A writer of this log with estimates of the plan's vehicle inserted, into ``sink``.
+
+        From now on ``samples`` tells positions.
+        """

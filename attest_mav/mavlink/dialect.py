@@ -9,7 +9,6 @@ from struct import Struct, calcsize
 from typing import Any, Final
 
 from attest_mav.mavlink.message_table import message_rows
-from attest_mav.mavlink.wire.checksum import MIRROR
 
 FieldValue = int | float | bytes | list[int] | list[float]
 
@@ -105,16 +104,16 @@ class Dialect:
         self.by_id: Final = {layout.message_id: layout for layout in layouts}
         self.by_name: Final = {layout.name: layout for layout in layouts}
         size = max(self.by_id) + 1
-        self.mirrored_extras: Final = [-1] * size
-        """By message id: the CRC extra with its bits reversed, -1 where the dialect has no such message."""
+        self.crc_extras: Final = [-1] * size
+        """By message id: the CRC extra, -1 where the dialect has no such message."""
         self.sizes_v1: Final = bytes(self.by_id[one].size if one in self.by_id else 0xFF for one in range(256))
         """By message id: the longest payload of a MAVLink 1 frame, which no later release of a message can lengthen."""
         for layout in layouts:
-            self.mirrored_extras[layout.message_id] = MIRROR[layout.crc_extra]
+            self.crc_extras[layout.message_id] = layout.crc_extra
 
     def flags(self, wanted: frozenset[int] | None) -> bytes:
         """One byte for each message id: 1 where it is wanted. None wants all; ids beyond the dialect are ignored."""
-        size = len(self.mirrored_extras)
+        size = len(self.crc_extras)
         if wanted is None:
             return b"\1" * size
         flags = bytearray(size)

@@ -1,6 +1,5 @@
 """Attitudes of one filter or autopilot against the reference, sample by sample."""
 
-from collections import deque
 from typing import Final, Protocol
 
 from mypy_extensions import mypyc_attr
@@ -14,6 +13,7 @@ from attest_mav.replay.metrics import SURE, ErrorColumns
 from attest_mav.replay.peaks import Peak
 from attest_mav.replay.reference_track import MEMORY_NS, Lack, ReferenceTrack
 from attest_mav.replay.steady_tilt import SteadyTilt
+from attest_mav.ring_buffer import RingBuffer
 from attest_mav.types import North, Quat
 
 
@@ -82,11 +82,18 @@ class Comparison:
     An attitude waits until the reference has passed its time, at most for the memory of the reference.
     """
 
-    def __init__(self, name: str, reference: ReferenceTrack, sink: ComparisonSink | None = None) -> None:
+    def __init__(
+        self,
+        name: str,
+        reference: ReferenceTrack,
+        sink: ComparisonSink | None = None,
+        steady_tilt: SteadyTilt | None = None,
+    ) -> None:
+        """steady_tilt: collects the counted tilt errors in the body, where they may show a trim."""
         self.name: Final = name
         self.errors: Final = ErrorColumns()
         self.consistency: Final = Consistency()
-        self.steady_tilt: Final = SteadyTilt()
+        self.steady_tilt: Final = steady_tilt
         self.tilt_peak: Final = Peak()
         """Of the counted errors, as in ``errors``."""
         self.heading_peak: Final = Peak()
@@ -96,26 +103,26 @@ class Comparison:
         """Counted attitudes where the reference could not be bridged between its samples."""
         self._reference: Final = reference
         self._sink: Final = sink
-        self._waiting: Final[deque[Attitude]] = deque()
+        self._waiting: Final[RingBuffer[Attitude]] = RingBuffer()
 
     def add(self, attitude: Attitude) -> None:
         """Take the next attitude."""
         waiting = self._waiting
-        while waiting and not 0 <= attitude.t_ns - waiting[0].t_ns <= MEMORY_NS:
-            self._compare(waiting.popleft())
+        while waiting.count > 0 and not 0 <= attitude.t_ns - waiting.oldest.t_ns <= MEMORY_NS:
+            self._compare(waiting.pop_oldest())
         waiting.append(attitude)
         self.settle()
 
     def settle(self) -> None:
         """Compare the attitudes that the reference has passed; to be called when the reference has grown."""
         waiting = self._waiting
-        while waiting and self._reference.reaches(waiting[0].t_ns):
-            self._compare(waiting.popleft())
+        while waiting.count > 0 and self._reference.reaches(waiting.oldest.t_ns):
+            self._compare(waiting.pop_oldest())
 
     def finish(self) -> None:
         """Compare the attitudes that still wait: the log has ended."""
-        while self._waiting:
-            self._compare(self._waiting.popleft())
+        while self._waiting.count > 0:
+            self._compare(self._waiting.pop_oldest())
 
     def _compare(self, attitude: Attitude) -> None:
         if attitude.counted:
@@ -129,7 +136,8 @@ class Comparison:
                 heading = heading_between(attitude.q_nb, knot.q_nb)
             if attitude.counted:
                 self._count(attitude, tilt, heading)
-                self.steady_tilt.add(attitude.q_nb, knot.q_nb)
+                if self.steady_tilt is not None:
+                    self.steady_tilt.add(attitude.q_nb, knot.q_nb)
         elif attitude.counted:
             self._miss(attitude)
         if self._sink is not None:

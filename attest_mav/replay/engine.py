@@ -169,9 +169,13 @@ def _estimate_writer(source: LogSource, plan: Plan, sink: ByteSink | None) -> Es
 def _fly(source: LogSource, flight: Flight, plan: Plan, progress: Progress | None) -> None:
     """The second pass."""
     for batch in source.samples(plan):
-        positions: list[int] = batch.positions
-        for index, sample in enumerate(batch.samples):
-            flight.take(sample, positions[index])
+        samples, positions = batch.samples, batch.positions
+        if positions:
+            for sample, position in zip(samples, positions, strict=True):
+                flight.take(sample, position)
+        else:
+            for sample in samples:
+                flight.take(sample)
         if progress is not None:
             progress(batch.share)
     flight.finish()

@@ -24,6 +24,7 @@ from attest_mav.replay.request import Window
 from attest_mav.replay.smoothed import SmoothedFlight
 from attest_mav.replay.smoothed_run import SmoothedRun
 from attest_mav.replay.stamping import BurstStamp, Stamped
+from attest_mav.replay.steady_tilt import SteadyTilt
 from attest_mav.replay.verdict_log import VerdictLog
 from attest_mav.samples import AttitudeSample, ImuSample, PositionSample, Sample
 from attest_mav.types import NO_TIME, AttitudeRole, EarthField, North, Quat, Vec3
@@ -86,11 +87,14 @@ class Flight:
         settings = PipelineSettings() if settings is None else settings
         sink = joined(sink, observer)
         reference = ReferenceTrack()
+        # A trim shows against the autopilot's own attitude, which then is no attitude to be compared.
+        shows_trim = plan.autopilot is None
         self._vehicle: Final = Vehicle(settings.aids)
         report = self._vehicle.self_report
+        compared = [Comparison(one.name, reference, sink, SteadyTilt() if shows_trim else None) for one in filters]
         self.runs: Final = [
-            FilterRun(one, settings, plan, field, Comparison(one.name, reference, sink), VerdictLog(report))
-            for one in filters
+            FilterRun(one, settings, plan, field, comparison, VerdictLog(report))
+            for one, comparison in zip(filters, compared, strict=True)
         ]
         self.autopilot: Final = Comparison(AUTOPILOT, reference, sink) if plan.autopilot is not None else None
         """The comparison of the autopilot's own attitude."""
@@ -196,13 +200,13 @@ class Flight:
         for run in self.runs:
             if abs(run.poll_ns - sample.rx_ns) >= POLL_NS:
                 run.poll_ns = sample.rx_ns
-                self._judge(run, run.pipeline.poll(sample.rx_ns))
+                self._judge(run, tuple(run.pipeline.poll(sample.rx_ns)))
                 run.verdicts.settle(elapsed_s, sample.rx_ns)
             events = run.pipeline.handle(sample)
             is_selected = sample.source == run.pipeline.selected
             for event in events:
                 if not isinstance(event, Estimate):
-                    self._judge(run, [event])
+                    self._judge(run, (event,))
                 elif is_selected:
                     if observer is not None:
                         observer.estimate(run.comparison.name, event, sample)
@@ -227,7 +231,7 @@ class Flight:
             self.reference_samples += 1
             self._extend_reference(sample.t_ns, estimate.q_nb, estimate.rates)
 
-    def _judge(self, run: FilterRun, events: Sequence[Event]) -> None:
+    def _judge(self, run: FilterRun, events: tuple[Event, ...]) -> None:
         """Keep the verdicts beside a filter, and the events of its lane."""
         for event in events:
             if isinstance(event, Verdict):

@@ -56,7 +56,9 @@ class Regularity:
     def __init__(self) -> None:
         self.samples = 0
         self._last_ns = -1
-        self._intervals_s = array("f")
+        self._intervals_s: Final = array("f")
+        self._figures: tuple[float | None, int] = (None, 0)
+        self._figures_of = 0
 
     def add(self, t_ns: int) -> None:
         """Take the stamp of the next sample. Repeats count as samples, but not as intervals."""
@@ -67,12 +69,17 @@ class Regularity:
 
     def rate_and_gaps(self) -> tuple[float | None, int]:
         """Samples a second outside of gaps (None with fewer than two), and the number of gaps."""
-        intervals = sorted(self._intervals_s)
-        if not intervals:
-            return (None, 0)
-        limit = max(GAP_S, GAP_INTERVALS * intervals[len(intervals) // 2])
-        usual = [interval for interval in intervals if interval <= limit]
-        return (len(usual) / fsum(usual), len(intervals) - len(usual))
+        if self._figures_of < len(self._intervals_s):
+            self._figures_of = len(self._intervals_s)
+            self._figures = _rate_and_gaps(sorted(self._intervals_s))
+        return self._figures
+
+
+def _rate_and_gaps(intervals_s: list[float]) -> tuple[float | None, int]:
+    """The same for these intervals, in order of size."""
+    limit = max(GAP_S, GAP_INTERVALS * intervals_s[len(intervals_s) // 2])
+    usual = [interval for interval in intervals_s if interval <= limit]
+    return (len(usual) / fsum(usual), len(intervals_s) - len(usual))
 
 
 class Motion:

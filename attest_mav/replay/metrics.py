@@ -24,51 +24,81 @@ class Spread(Record):
         """Largest absolute value."""
 
 
-class ErrorColumns:
-    """Tilt and heading errors (rad) of one attitude against the reference; 17 bytes a sample.
+class ErrorColumn:
+    """One kind of error, rad; 8 bytes a sample."""
 
-    The heading has fewer entries than the tilt if it did not always refer to a north. Each tilt error has a mark that
-    says whether its filter was sure of it.
+    def __init__(self) -> None:
+        self.values: Final = array("d")
+        self._spread: Spread | None = None
+        self._spread_samples = 0
+
+    def spread(self) -> Spread | None:
+        """The figures, made anew where errors have come since; None without samples."""
+        if self._spread_samples < len(self.values):
+            self._spread_samples = len(self.values)
+            self._spread = spread(self.values)
+        return self._spread
+
+
+class ErrorColumns:
+    """Tilt and heading errors (rad) of one attitude against the reference; 16 bytes a sample.
+
+    The heading has fewer entries than the tilt if it did not always refer to a north. The places in the tilt column
+    are kept at which a filter became sure of its tilt, or stopped to be.
     """
 
     def __init__(self) -> None:
-        self._tilt = array("d")
-        self._heading = array("d")
-        self._sure = array("b")
+        self._tilt: Final = ErrorColumn()
+        self._heading: Final = ErrorColumn()
+        self._turns = array("q")
+        """Places in the column of the tilt: it begins unsure, and each of these begins the other kind."""
+        self._is_sure = False
 
     def add(self, tilt: float, heading: float | None, sure: bool = False) -> None:
         """Take the errors of one sample, rad; ``heading`` is None for a heading that refers to no north."""
-        self._tilt.append(tilt)
-        self._sure.append(sure)
+        if sure != self._is_sure:
+            self._is_sure = sure
+            self._turns.append(self.samples)
+        self._tilt.values.append(tilt)
         if heading is not None:
-            self._heading.append(heading)
+            self._heading.values.append(heading)
 
     @property
     def samples(self) -> int:
         """Samples whose tilt was compared."""
-        return len(self._tilt)
+        return len(self._tilt.values)
 
     @property
     def heading_samples(self) -> int:
         """Samples whose heading was compared."""
-        return len(self._heading)
+        return len(self._heading.values)
 
     def tilt(self) -> Spread | None:
         """Figures of the tilt error; None without samples."""
-        return spread(self._tilt)
+        return self._tilt.spread()
 
     @property
     def sure_samples(self) -> int:
         """Samples with a tilt that the filter was sure of."""
-        return sum(self._sure)
+        return sum([end - begin for begin, end in self._sure_stretches()])
 
     def sure_tilt(self) -> Spread | None:
         """Figures of the tilt error of the samples that the filter was sure of; None without such samples."""
-        return spread([error for error, sure in zip(self._tilt, self._sure, strict=True) if sure])
+        if self.sure_samples == self.samples:
+            return self.tilt()
+        sure = array("d")
+        for begin, end in self._sure_stretches():
+            sure += self._tilt.values[begin:end]
+        return spread(sure)
 
     def heading(self) -> Spread | None:
         """Figures of the heading error; None without samples."""
-        return spread(self._heading)
+        return self._heading.spread()
+
+    def _sure_stretches(self) -> list[tuple[int, int]]:
+        """Begin and end of each stretch of the tilt column in which the filter was sure."""
+        ends = [*self._turns[1::2], self.samples]
+        return list(zip(self._turns[0::2], ends, strict=False))
 
 
 def spread(errors: Sequence[float]) -> Spread | None:

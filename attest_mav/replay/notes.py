@@ -90,7 +90,8 @@ def _untold_trim(summary: LogSummary, plan: Plan, flight: Flight) -> list[str]:
     is_told = isfinite(vehicle.settings.get(Setting.TRIM_X))
     if not is_trimmable or is_told or plan.reference not in summary.roles.autopilot:
         return []
-    offset_deg = flight.runs[0].comparison.steady_tilt.offset_deg()
+    steady = flight.runs[0].comparison.steady_tilt
+    offset_deg = None if steady is None else steady.offset_deg()
     if offset_deg is None:
         return []
     kind = "of the kind that AHRS_TRIM makes; the log does not tell the trim"

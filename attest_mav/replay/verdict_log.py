@@ -1,5 +1,6 @@
 """The verdict on the autopilot's attitude over a recorded flight, as intervals in log time."""
 
+from math import floor
 from typing import Final
 
 from attest_mav.estimation.events import LaneEvent, Verdict
@@ -51,18 +52,18 @@ class VerdictLog:
             verdict.heading,
             verdict.source,
             verdict.t_ns,
-            round(1e9 * elapsed_s),
+            _in_ns(elapsed_s),
         )
         self._take_change(self._verdicts.take(timed, self._lanes.states), verdict.rx_ns)
 
     def settle(self, elapsed_s: float, rx_ns: int) -> None:
         """No verdict has come until this log time and time of reception."""
-        self._take_change(self._verdicts.settle(round(1e9 * elapsed_s)), rx_ns)
+        self._take_change(self._verdicts.settle(_in_ns(elapsed_s)), rx_ns)
 
     def finish(self, elapsed_s: float, rx_ns: int) -> None:
         """The log has ended, at this log time and time of reception."""
         self.settle(elapsed_s, rx_ns)
-        self._end(self._verdicts.open_interval(round(1e9 * elapsed_s)), rx_ns)
+        self._end(self._verdicts.open_interval(_in_ns(elapsed_s)), rx_ns)
 
     def _take_change(self, change: IntervalChange | None, rx_ns: int) -> None:
         if change is not None:
@@ -71,3 +72,8 @@ class VerdictLog:
     def _end(self, interval: VerdictInterval | None, rx_ns: int) -> None:
         if interval is not None:
             self.intervals.append(LoggedInterval(interval, self._self_report.remarks(rx_ns)))
+
+
+def _in_ns(elapsed_s: float) -> int:
+    """Log time in whole nanoseconds; compiled, ``round`` would go through Python."""
+    return floor(1e9 * elapsed_s + 0.5)

@@ -134,7 +134,8 @@ def test_a_replay_equals_itself_bit_for_bit_and_filters_do_not_touch_each_other(
     def columns(*filters):
         request = Request(filters, window=Window(skip_s=1.0))
         flown = replay(TlogSource(data_cut, dialect), request, Outputs())
-        return [(list(run.comparison.errors._tilt), list(run.comparison.errors._heading)) for run in flown.flight.runs]
+        errors = [run.comparison.errors for run in flown.flight.runs]
+        return [(list(one._tilt.values), list(one._heading.values)) for one in errors]
 
     slow, quick = GradientDescent(beta=0.033), GradientDescent(beta=0.5)
     together = columns(slow, quick)
@@ -207,7 +208,7 @@ def test_a_restarted_autopilot_goes_on_being_compared(log):
     result = fly(log, Window(skip_s=1.0), outputs=Outputs(rows))
     errors = result.flight.runs[0].comparison.errors
     assert errors.samples > 250
-    assert degrees(max(errors._tilt)) < 0.01
+    assert degrees(max(errors._tilt.values)) < 0.01
     times = [row.attitude.elapsed_s for row in rows.of("gradient-descent")]
     assert times == sorted(times)
     assert times[-1] == pytest.approx(8.0, abs=0.1)

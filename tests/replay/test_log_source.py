@@ -178,7 +178,7 @@ def test_a_recording_is_all_samples_in_order():
 
 def test_a_log_without_senders_has_nothing_to_estimate_from():
     source = StillSource()
-    empty = replace(source.summary(), vehicles={})
+    empty = LogSummary("still", ROLES, 0, 0, 0.0, {})
     source.summary = lambda _=None: empty
     with pytest.raises(UnreadableDataError, match=r"no IMU\[0\] or IMU\[1\] in it"):
         report(source)

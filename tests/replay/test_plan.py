@@ -1,4 +1,4 @@
-from dataclasses import replace
+from inspect import signature
 
 import pytest
 
@@ -8,6 +8,12 @@ from attest_mav.replay.plan import check_names, make_plan, replayable
 
 LEVEL = {"ATTITUDE_QUATERNION": {"q1": 1.0}}
 """Fields of messages whose zeros are no attitude."""
+
+
+def changed(record, **changes):
+    """The record with some other values."""
+    kind = type(record)
+    return kind(**{name: getattr(record, name) for name in signature(kind).parameters} | changes)
 
 
 def plan_of(log, imu=None, reference=None):
@@ -73,8 +79,8 @@ def test_without_a_truth_the_smoothed_attitude_is_chosen_where_the_log_allows_it
     log.heartbeat()
     fill(log, RAW_IMU=50, **{present: 50})
     summary = TlogSource(log.data, log.dialect).summary()
-    vehicle = replace(summary.vehicles[1, 1], velocity_lack=velocity_lack)
-    summary = replace(summary, vehicles={(1, 1): vehicle}, duration_s=duration_s)
+    vehicle = changed(summary.vehicles[1, 1], velocity_lack=velocity_lack)
+    summary = changed(summary, vehicles={(1, 1): vehicle}, duration_s=duration_s)
     assert make_plan(summary, None, None, smooths=True).reference == chosen
     assert make_plan(summary, None, None).reference == present
 

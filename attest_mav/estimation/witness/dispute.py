@@ -12,6 +12,7 @@ from attest_mav.estimation.witness.lane_watch import LaneWatch
 from attest_mav.estimation.witness.pair import (
     Contrast,
     Difference,
+    PairedReading,
     RunningDifference,
     contrast,
     contrast_of_states,
@@ -106,10 +107,10 @@ class LanePair:
         if abs(a.t_ns - b.t_ns) * 1e-9 > PAIRED_S * max(a.dt_s, b.dt_s):
             return False
         self._paired_ns = (a.t_ns, b.t_ns)
-        gyro, accel = sub(a.sample.gyro, b.sample.gyro), sub(a.sample.accel, b.sample.accel)
-        self.recent.take(a.t_ns, gyro, accel)
-        self.second_long.take(a.t_ns, gyro, accel)
-        self.longer.take(a.t_ns, gyro, accel)
+        reading = PairedReading(a.t_ns, sub(a.sample.gyro, b.sample.gyro), sub(a.sample.accel, b.sample.accel))
+        self.recent.take(reading)
+        self.second_long.take(reading)
+        self.longer.take(reading)
         return True
 
     def compare(self, now_ns: int) -> None:
@@ -195,7 +196,6 @@ class LanePair:
         return Difference(
             (-gyro[0], -gyro[1], -gyro[2]),
             (-accel[0], -accel[1], -accel[2]),
-            found.gyro_scatter,
             found.accel_scatter,
             found.count,
         )

@@ -1,6 +1,5 @@
 """The receiver's fixes as one lane gets them: which is new, which repeats itself, and how well they usually fit."""
 
-from collections import deque
 from typing import Final
 
 from attest_mav.algebra import hypotenuse, norm, sub
@@ -36,7 +35,8 @@ class FixStream:
         """Slow mean of the normalised innovation squared in good times."""
         self.usual_innovation = INNOVATION_AT_START
         """The same of the size of a horizontal innovation, m/s."""
-        self._run: Final[deque[float]] = deque(maxlen=RUN_FIXES)
+        self._run: Final[list[float]] = []
+        """The newest fixes, old to new."""
         self._newest_ns = -1
         self._velocity: Vec3 = (0.0, 0.0, 0.0)
         self._same = 1
@@ -56,10 +56,15 @@ class FixStream:
         alone = self._run[-1] / self.gate
         if len(self._run) < RUN_FIXES:
             return alone
-        return max(alone, sum(self._run) / RUN_FIXES / max(LEAST_RUN_GATE, RUN_GATE_USUALS * self.usual_nis))
+        total = 0.0
+        for nis in self._run:
+            total += nis
+        return max(alone, total / RUN_FIXES / max(LEAST_RUN_GATE, RUN_GATE_USUALS * self.usual_nis))
 
     def take(self, nis: float) -> None:
         """Take the next fix beside the lane, used or not."""
+        if len(self._run) == RUN_FIXES:
+            del self._run[0]
         self._run.append(nis)
 
     def forget_misfit(self) -> None:

@@ -1,6 +1,5 @@
 """The last seconds of a lane: samples and inputs, and now and then a state, so that they can be run again."""
 
-from collections import deque
 from collections.abc import Iterator
 from typing import Final
 
@@ -9,6 +8,7 @@ from mypy_extensions import mypyc_attr
 from attest_mav.estimation.witness.flight_state import velocity_of
 from attest_mav.filters.base import FilterInputs, FilterState
 from attest_mav.record import Record
+from attest_mav.ring_buffer import RingBuffer
 from attest_mav.samples import ImuSample
 from attest_mav.types import Vec3
 
@@ -71,48 +71,50 @@ class Moments:
     def __init__(self) -> None:
         self.newest: Moment | None = None
         """The last moment."""
-        self._ring: Final[deque[PastInstant]] = deque()
+        self._ring: Final[RingBuffer[PastInstant]] = RingBuffer()
         self._kept_ns = 0
         self._last_ns = 0
 
     def append(self, moment: Moment) -> None:
         """Take the next moment. A clock that goes back begins anew."""
         ring, t_ns = self._ring, moment.t_ns
-        if ring and t_ns <= self._last_ns:
+        if ring.count > 0 and t_ns <= self._last_ns:
             ring.clear()
         self._last_ns = t_ns
-        is_kept = not ring or t_ns - self._kept_ns >= STATE_SPACING_NS
+        is_kept = ring.count == 0 or t_ns - self._kept_ns >= STATE_SPACING_NS
         if is_kept:
             self._kept_ns = t_ns
         velocity = velocity_of(moment.state)
         before = moment.before if is_kept else None
         ring.append(PastInstant(t_ns, moment.dt_s, moment.sample, moment.inputs, velocity, before))
         self.newest = moment
-        oldest = ring[0]
+        oldest = ring.oldest
         while t_ns - oldest.t_ns > LENGTH_NS or oldest.before is None:
-            ring.popleft()
-            oldest = ring[0]
+            ring.pop_oldest()
+            oldest = ring.oldest
 
     @property
     def oldest(self) -> PastInstant | None:
         """The first instant that is remembered."""
-        return self._ring[0] if self._ring else None
+        return self._ring.oldest if self._ring.count > 0 else None
 
     def since(self, t_ns: int) -> Iterator[PastInstant]:
         """The instants from the last kept state before an instant on, or from the first one, old to new."""
-        first_ns = t_ns
-        for past in reversed(self._ring):
-            first_ns = past.t_ns
+        ring = self._ring
+        first = 0
+        for index in range(ring.count - 1, -1, -1):
+            past = ring.at(index)
             if past.before is not None and past.t_ns <= t_ns:
+                first = index
                 break
-        for past in self._ring:
-            if past.t_ns >= first_ns:
-                yield past
+        for index in range(first, ring.count):
+            yield ring.at(index)
 
     def around(self, t_ns: int) -> tuple[PastInstant | None, PastInstant | None]:
         """The last instant before one and the first one from it on; None where there is none."""
         after: PastInstant | None = None
-        for past in reversed(self._ring):
+        for index in range(self._ring.count - 1, -1, -1):
+            past = self._ring.at(index)
             if past.t_ns < t_ns:
                 return past, after
             after = past

@@ -1,6 +1,5 @@
 """Two inertial sensors beside each other: the difference of their readings, and whether that is a dispute."""
 
-from collections import deque
 from math import degrees, radians, sqrt
 from typing import Final
 
@@ -9,6 +8,7 @@ from mypy_extensions import mypyc_attr
 from attest_mav.algebra import add, heading_between, hypotenuse, norm, scale, sub, tilt_between
 from attest_mav.estimation.witness.flight_state import accel_bias
 from attest_mav.filters.base import FilterState
+from attest_mav.ring_buffer import RingBuffer
 from attest_mav.types import Vec3
 
 MEAN_S: Final = 0.5
@@ -26,18 +26,19 @@ SIGMAS: Final = 1.5
 
 @mypyc_attr(acyclic=True, free_list_len=1)  # as Sample
 class Difference:
-    """Readings of one sensor minus another's, mean over a time; scatter: of the accelerometers, an axis."""
+    """Readings of one sensor minus another's, mean over a time; accel_scatter: of the accelerometers, an axis."""
 
-    def __init__(self, gyro: Vec3, accel: Vec3, gyro_scatter: Vec3, accel_scatter: Vec3, count: int) -> None:
+    def __init__(self, gyro: Vec3, accel: Vec3, accel_scatter: Vec3, count: int) -> None:
         self.gyro: Final = gyro
         self.accel: Final = accel
-        self.gyro_scatter: Final = gyro_scatter
         self.accel_scatter: Final = accel_scatter
         self.count: Final = count
 
 
 @mypyc_attr(acyclic=True, free_list_len=1)  # as Sample
-class _Point:
+class PairedReading:
+    """Readings of one sensor minus another's at one instant, rad/s and m/s^2."""
+
     def __init__(self, t_ns: int, gyro: Vec3, accel: Vec3) -> None:
         self.t_ns: Final = t_ns
         self.gyro: Final = gyro
@@ -49,56 +50,46 @@ class RunningDifference:
 
     def __init__(self, span_s: float) -> None:
         self._span_ns: Final = int(1e9 * span_s)
-        self._points: Final[deque[_Point]] = deque()
+        self._points: Final[RingBuffer[PairedReading]] = RingBuffer()
         self._newest_ns = -1
         self._gyro: Vec3 = (0.0, 0.0, 0.0)
         self._accel: Vec3 = (0.0, 0.0, 0.0)
-        self._gyro_squares: Vec3 = (0.0, 0.0, 0.0)
         self._accel_squares: Vec3 = (0.0, 0.0, 0.0)
 
-    def take(self, t_ns: int, gyro: Vec3, accel: Vec3) -> None:
+    def take(self, reading: PairedReading) -> None:
         """Take the next difference."""
-        points = self._points
-        if points and t_ns <= self._newest_ns:
+        points, t_ns = self._points, reading.t_ns
+        if points.count > 0 and t_ns <= self._newest_ns:
             self.clear()
         self._newest_ns = t_ns
-        points.append(_Point(t_ns, gyro, accel))
-        self._add(gyro, accel, 1.0)
-        old = points[0]
-        while t_ns - old.t_ns > self._span_ns:
-            points.popleft()
-            self._add(old.gyro, old.accel, -1.0)
-            old = points[0]
+        points.append(reading)
+        self._add(reading, 1.0)
+        while t_ns - points.oldest.t_ns > self._span_ns:
+            self._add(points.pop_oldest(), -1.0)
 
     def clear(self) -> None:
         """Forget everything."""
         zero: Vec3 = (0.0, 0.0, 0.0)
         self._points.clear()
-        self._gyro = self._accel = self._gyro_squares = self._accel_squares = zero
+        self._gyro = self._accel = self._accel_squares = zero
 
     @property
     def spans(self) -> bool:
         """True once the differences reach over most of the time."""
         points = self._points
-        return len(points) > 1 and self._newest_ns - points[0].t_ns > 0.8 * self._span_ns
+        return points.count > 1 and self._newest_ns - points.oldest.t_ns > 0.8 * self._span_ns
 
     def difference(self) -> Difference:
         """The mean difference over the points kept."""
-        count = max(1, len(self._points))
+        points: int = self._points.count
+        count = max(1, points)
         gyro, accel = scale(self._gyro, 1.0 / count), scale(self._accel, 1.0 / count)
-        return Difference(
-            gyro,
-            accel,
-            _scatter(self._gyro_squares, gyro, count),
-            _scatter(self._accel_squares, accel, count),
-            count,
-        )
+        return Difference(gyro, accel, _scatter(self._accel_squares, accel, count), count)
 
-    def _add(self, gyro: Vec3, accel: Vec3, sign: float) -> None:
-        self._gyro = add(self._gyro, scale(gyro, sign))
-        self._accel = add(self._accel, scale(accel, sign))
-        self._gyro_squares = add(self._gyro_squares, scale(_squares(gyro), sign))
-        self._accel_squares = add(self._accel_squares, scale(_squares(accel), sign))
+    def _add(self, reading: PairedReading, sign: float) -> None:
+        self._gyro = add(self._gyro, scale(reading.gyro, sign))
+        self._accel = add(self._accel, scale(reading.accel, sign))
+        self._accel_squares = add(self._accel_squares, scale(_squares(reading.accel), sign))
 
 
 @mypyc_attr(acyclic=True, free_list_len=1)  # as Sample

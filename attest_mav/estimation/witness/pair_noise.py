@@ -39,10 +39,16 @@ def noise_of(pair: LanePair, lane: LaneWatch, one: VelocityAided) -> SensorNoise
     return SensorNoise(max(parameters.accel_noise, accel, 0.0 if known is None else FALL * known.accel))
 
 
+def is_due(lane: LaneWatch) -> bool:
+    """Whether the noise of a lane was last looked at long enough ago."""
+    newest = lane.moments.newest
+    return newest is not None and not 0 <= newest.t_ns - lane.noise_ns < SPACING_NS
+
+
 def follow_noise(pair: LanePair, lane: LaneWatch) -> None:
     """Give a lane of a pair in good order its noise, when it is due."""
     newest, one = lane.moments.newest, lane.configured
-    if newest is None or one is None or 0 <= newest.t_ns - lane.noise_ns < SPACING_NS:
+    if newest is None or one is None or not is_due(lane):
         return
     lane.noise_ns = newest.t_ns
     noise = noise_of(pair, lane, one)

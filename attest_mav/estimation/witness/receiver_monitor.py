@@ -45,54 +45,54 @@ class ReceiverMonitor:
         """Whether the lanes take fixes."""
         return self.contradiction is None and self.coasting is None
 
-    def candidates(self) -> list[Candidate]:
+    def candidates(self) -> tuple[Candidate, ...]:
         """Explanations that are members of the set; the receiver that makes no sense is the lane itself."""
         if self.contradiction is None:
-            return []
+            return ()
         members = self.contradiction.members()
-        return [one for one in members if one.hypothesis.kind != Explanation.RECEIVER]
+        return tuple([one for one in members if one.hypothesis.kind != Explanation.RECEIVER])
 
     def abandon(self, lane: LaneWatch) -> None:
         """A lane stands aside, or has lost the attitude that was contradicted: explanations do not run on it."""
         if self.contradiction is not None and self.contradiction.lane is lane:
             self.contradiction = None
 
-    def take(self, selected: LaneWatch, lanes: Sequence[LaneWatch], disputed: bool) -> list[LaneEvent]:
+    def take(self, selected: LaneWatch, lanes: Sequence[LaneWatch], disputed: bool) -> LaneEvent | None:
         """Follow the lanes in good standing to the selected one's newest moment."""
         moment, one = selected.moments.newest, selected.filter
         if moment is None or one is None:
-            return []
+            return None
         if self.contradiction is not None:
             return self._decide(self.contradiction, selected, lanes, one, moment)
         if self.coasting is not None:
             return self._coast(self.coasting, selected, lanes, one, moment)
-        return [] if disputed else self._judge(selected, lanes, one, moment)
+        return None if disputed else self._judge(selected, lanes, one, moment)
 
     def _judge(
         self, selected: LaneWatch, lanes: Sequence[LaneWatch], one: VelocityAided, moment: Moment
-    ) -> list[LaneEvent]:
+    ) -> LaneEvent | None:
         """Whether the newest fix contradicts all lanes; it is judged once all have seen it."""
         fix = selected.fix
         if fix is None or fix.t_ns == self._judged_ns:
-            return []
+            return None
         shares: list[float] = []
         misfits: list[float] = []
         for lane in lanes:
             if lane.fix is None or lane.fix.t_ns != fix.t_ns:
-                return []
+                return None
             shares.append(lane.fix.nis / lane.fixes.gate)
             misfits.append(lane.fixes.misfit)
         self._judged_ns = fix.t_ns
         self._on_probation(selected)
         self._doubt.take_fix(min(shares), moment.t_ns)
         if max(misfits) <= 1.0 or min(misfits) <= JOINT_GATES or not selected.proving.done:
-            return []
+            return None
         self.contradiction = Contradiction(selected, one, selected.fix_seen_ns, self.shift_s)
         if not self.contradiction.candidates:
             self.contradiction = None
-            return []
+            return None
         text = f"all sensors contradict the receiver: innovation {_size(selected):.1f} m/s"
-        return [_event(selected, moment, LaneEventKind.CONTRADICTED, text)]
+        return _event(selected, moment, LaneEventKind.CONTRADICTED, text)
 
     def _on_probation(self, selected: LaneWatch) -> None:
         self._doubt.fix_on_probation(_size(selected), selected.fixes.usual_innovation, selected.field_fits)
@@ -104,11 +104,11 @@ class ReceiverMonitor:
         lanes: Sequence[LaneWatch],
         one: VelocityAided,
         moment: Moment,
-    ) -> list[LaneEvent]:
+    ) -> LaneEvent | None:
         """Run the explanations on, and act on the one that leads."""
         if selected is not contradiction.lane:
             self.contradiction = None
-            return []
+            return None
         contradiction.take(one, moment)
         fix = selected.fix
         if fix is not None and fix.t_ns != self._judged_ns:
@@ -117,13 +117,13 @@ class ReceiverMonitor:
                 self._doubt.fix_contradicts(moment.t_ns)
         best = contradiction.decided(moment.t_ns)
         if best is None:
-            return []
+            return None
         self.contradiction = None
         self._doubt.fix_is_explained()
         self._believe(best, contradiction, selected, lanes)
         elapsed_s = (moment.t_ns - contradiction.contradicted_ns) * 1e-9
         text = f"{_words(best)} ({contradiction.scores()}; after {elapsed_s:.1f} s)"
-        return [_event(selected, moment, LaneEventKind.EXPLAINED, text)]
+        return _event(selected, moment, LaneEventKind.EXPLAINED, text)
 
     def _believe(
         self, best: Candidate, contradiction: Contradiction, selected: LaneWatch, lanes: Sequence[LaneWatch]
@@ -152,16 +152,16 @@ class ReceiverMonitor:
         lanes: Sequence[LaneWatch],
         one: VelocityAided,
         moment: Moment,
-    ) -> list[LaneEvent]:
+    ) -> LaneEvent | None:
         """Watch the receiver until it makes sense again."""
         returned = coasting.take(selected, lanes, one, moment)
         if returned is None:
-            return []
+            return None
         self.coasting = None
         self._judged_ns = -1 if selected.fix is None else selected.fix.t_ns
         self.shift_s = returned.shift_s
         text = f"the receiver is used again: its velocity is {returned.words}"
-        return [_event(selected, moment, LaneEventKind.RECEIVER_USED, text)]
+        return _event(selected, moment, LaneEventKind.RECEIVER_USED, text)
 
 
 def _again(hypothesis: Hypothesis, contradiction: Contradiction, lane: LaneWatch) -> Candidate | None:

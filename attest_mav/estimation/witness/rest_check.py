@@ -47,7 +47,9 @@ class RestCheck:
     def __init__(self) -> None:
         self._gyro: Vec3 = (0.0, 0.0, 0.0)
         self._accel: Vec3 = (0.0, 0.0, -G_MPS2)
-        self._mag: Vec3 | None = None
+        self._has_field = False
+        self._field: Vec3 = (0.0, 0.0, 0.0)
+        """Mean of the readings of the magnetometer, gauss, once there is one."""
         self._quiet_s = 0.0
         self._off_s = 0.0
 
@@ -68,18 +70,20 @@ class RestCheck:
 
     def begun_again(self, one: VelocityAided, state: FilterState) -> FilterState:
         """The filter at its start, with the plain attitude to be shown until it has its own."""
-        q_nb, north = ecompass(self._accel, self._mag)
+        mag = self._field if self._has_field else None
+        q_nb, north = ecompass(self._accel, mag)
         bias = state.gyro_bias if norm(state.gyro_bias) < LARGEST_BIAS else (0.0, 0.0, 0.0)
-        return one.initial(Start(q_nb, bias, north, self._accel, self._mag))
+        return one.initial(Start(q_nb, bias, north, self._accel, mag))
 
     def _average(self, sample: ImuSample, dt_s: float) -> None:
         share = min(1.0, dt_s / MEAN_S)
         self._gyro = add(self._gyro, scale(sub(sample.gyro, self._gyro), share))
         if is_finite(sample.accel):
             self._accel = add(self._accel, scale(sub(sample.accel, self._accel), share))
-        if sample.mag is not None and is_finite(sample.mag):
-            mag = sample.mag if self._mag is None else self._mag
-            self._mag = add(mag, scale(sub(sample.mag, mag), share))
+        if sample.has_field and is_finite(sample.field):
+            before = self._field if self._has_field else sample.field
+            self._has_field = True
+            self._field = add(before, scale(sub(sample.field, before), share))
 
     def _is_quiet(self, sample: ImuSample, state: FilterState) -> bool:
         return (
@@ -92,17 +96,17 @@ class RestCheck:
 
     def _is_off(self, state: FilterState, stands: bool) -> bool:
         """Whether the filter's attitude is another one than the plain one."""
-        plain, north = ecompass(self._accel, self._mag)
+        plain, north = ecompass(self._accel, self._field if self._has_field else None)
         tilt = tilt_between(state.q_nb, plain)
         if not stands:
             return tilt > max(FLYING_OFF_TILT, OFF_SIGMAS * state.tilt_sigma)
         if tilt > max(OFF_TILT, OFF_SIGMAS * state.tilt_sigma):
             return True
         navigation = navigation_of(state)
-        if navigation is None or self._mag is None or north == North.RELATIVE:
+        if navigation is None or not self._has_field or north == North.RELATIVE:
             return False
         usual = navigation.magnetometer.usual
-        if usual is None or abs(norm(self._mag) - usual.strength) > FIELD_SHARE * usual.strength:
+        if usual is None or abs(norm(self._field) - usual.strength) > FIELD_SHARE * usual.strength:
             return False
         heading = abs(wrap_pi(heading_between(state.q_nb, plain) - navigation.assumed_declination))
         return heading > max(OFF_HEADING, OFF_SIGMAS * state.heading_sigma)

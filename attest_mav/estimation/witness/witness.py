@@ -8,7 +8,7 @@ from math import radians
 from typing import Final
 
 from attest_mav.estimation.difference import Member
-from attest_mav.estimation.events import LaneEvent, LaneEventKind
+from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind
 from attest_mav.estimation.witness.bias_scale import follow_scale
 from attest_mav.estimation.witness.compass_readings import CompassReadings
 from attest_mav.estimation.witness.dispute import LanePair
@@ -18,7 +18,7 @@ from attest_mav.estimation.witness.lane_watch import LaneWatch
 from attest_mav.estimation.witness.members import candidate_member, is_near, lane_member
 from attest_mav.estimation.witness.moments import Moment
 from attest_mav.estimation.witness.naming import sensor_text
-from attest_mav.estimation.witness.pair_noise import follow_noise
+from attest_mav.estimation.witness.pair_noise import follow_noise, is_due
 from attest_mav.estimation.witness.receiver_monitor import ReceiverMonitor
 from attest_mav.estimation.witness.situation import Situation, Standing
 
@@ -46,6 +46,8 @@ class Witness:
         self.compasses: Final = CompassReadings()
         """The newest readings of all magnetometers."""
         self._lanes: Final[dict[str, LaneWatch]] = {}
+        self._order: Final[list[LaneWatch]] = []
+        """The same lanes, in the order in which they began."""
         self._pairs: Final[list[LanePair]] = []
         self._doubt: Final = Doubt()
         self._receiver: Final = ReceiverMonitor(self._doubt)
@@ -64,18 +66,18 @@ class Witness:
     def watch(self, name: str) -> LaneWatch:
         """A new lane; the first one is selected until another is better."""
         lane = LaneWatch(name)
-        self._pairs.extend([LanePair(other, lane) for other in self._lanes.values()])
+        self._pairs.extend([LanePair(other, lane) for other in self._order])
         self._lanes[name] = lane
+        self._order.append(lane)
         self.selected = self.selected or name
         return lane
 
-    def advance(self, name: str) -> list[LaneEvent]:
-        """Follow a lane to its newest sample."""
+    def advance(self, name: str, events: list[Event]) -> None:
+        """Follow a lane to its newest sample; what follows from it is added to the events."""
         lane = self._lanes[name]
         moment = lane.moments.newest
         if moment is None:
-            return []
-        events: list[LaneEvent] = []
+            return
         self._judge_standing(lane, moment, events)
         self._compare(lane, moment, events)
         self._select()
@@ -84,19 +86,20 @@ class Witness:
         if lane is selected and lane.standing == Standing.GOOD:
             disputed = any(pair.dispute is not None for pair in self._pairs)
             good = self._good()
-            events += self._receiver.take(lane, good, disputed)
+            event = self._receiver.take(lane, good, disputed)
+            if event is not None:
+                events.append(event)
             if not any(one.field_fits for one in good):
                 self._doubt.field_contradicts(moment.t_ns)
             self._form_set(lane, good, moment, disputed)
         elif selected.standing != Standing.GOOD:
             self.members, self.publishes = (), False
         self._set_situation()
-        return events
 
     def _good(self) -> list[LaneWatch]:
-        return [lane for lane in self._lanes.values() if lane.standing == Standing.GOOD]
+        return [lane for lane in self._order if lane.standing == Standing.GOOD]
 
-    def _judge_standing(self, lane: LaneWatch, moment: Moment, events: list[LaneEvent]) -> None:
+    def _judge_standing(self, lane: LaneWatch, moment: Moment, events: list[Event]) -> None:
         """Whether a lane joins the set, has lost its attitude, is dead, or leaves others behind that have stopped."""
         good = self._good()
         if lane.standing == Standing.ASIDE and not lane.dead.reason and self._is_alone(lane, moment):
@@ -125,10 +128,10 @@ class Witness:
 
     def _is_alone(self, lane: LaneWatch, moment: Moment) -> bool:
         """Whether every other sensor has stopped."""
-        others = [one.moments.newest for one in self._lanes.values() if one is not lane]
+        others = [one.moments.newest for one in self._order if one is not lane]
         return all(newest is None or moment.t_ns - newest.t_ns > ALONE_S * 1e9 for newest in others)
 
-    def _compare(self, lane: LaneWatch, moment: Moment, events: list[LaneEvent]) -> None:
+    def _compare(self, lane: LaneWatch, moment: Moment, events: list[Event]) -> None:
         """Compare a lane with every other one."""
         for pair in self._pairs:
             if not pair.has(lane):
@@ -146,7 +149,7 @@ class Witness:
                 if pair.other(aside).name == self.selected and pair.aside_is_well(aside, moment.t_ns):
                     self._take_back(aside, pair, events)
 
-    def _dispute(self, pair: LanePair, moment: Moment, events: list[LaneEvent]) -> None:
+    def _dispute(self, pair: LanePair, moment: Moment, events: list[Event]) -> None:
         before = pair.dispute
         pair.compare(moment.t_ns)
         if before is None and pair.dispute is not None and pair.contrast is not None:
@@ -155,12 +158,14 @@ class Witness:
 
     def _follow_noise(self, pair: LanePair) -> None:
         """A fault is no noise: only in good order do both lanes take what their sensors differ by."""
-        in_order = all(lane.standing == Standing.GOOD and not lane.dead.reason for lane in self._lanes.values())
+        if not (is_due(pair.first) or is_due(pair.second)):
+            return
+        in_order = all(lane.standing == Standing.GOOD and not lane.dead.reason for lane in self._order)
         if in_order and all(one.dispute is None for one in self._pairs):
             follow_noise(pair, pair.first)
             follow_noise(pair, pair.second)
 
-    def _find_guilt(self, pair: LanePair, moment: Moment, events: list[LaneEvent]) -> None:
+    def _find_guilt(self, pair: LanePair, moment: Moment, events: list[Event]) -> None:
         used = self._receiver.is_used
         pair.weigh(moment.t_ns, used)
         lane = pair.guilty(moment.t_ns, used)
@@ -171,7 +176,7 @@ class Witness:
             text = f"{sensor_text(gyro, accel)} (evidence {abs(dispute.evidence):.1f} after {elapsed_s:.1f} s)"
             self._set_aside(lane, moment, text, events)
 
-    def _set_aside(self, lane: LaneWatch, moment: Moment, reason: str, events: list[LaneEvent]) -> None:
+    def _set_aside(self, lane: LaneWatch, moment: Moment, reason: str, events: list[Event]) -> None:
         """A sensor is at fault: its filter stands still from now on."""
         lane.standing = Standing.ASIDE
         lane.aside_reason = reason
@@ -191,7 +196,7 @@ class Witness:
             if pair.has(lane):
                 pair.end()
 
-    def _take_back(self, aside: LaneWatch, pair: LanePair, events: list[LaneEvent]) -> None:
+    def _take_back(self, aside: LaneWatch, pair: LanePair, events: list[Event]) -> None:
         """A sensor is well again: its filter goes on from the healthy one's state."""
         healthy, one, newest = pair.other(aside).state, pair.other(aside).filter, aside.moments.newest
         if healthy is None or one is None or newest is None:
@@ -233,7 +238,7 @@ class Witness:
         """Tell every lane what to do with fixes, where that has changed."""
         receiver = self._receiver
         calm = receiver.is_used and all(pair.dispute is None for pair in self._pairs)
-        for lane in self._lanes.values():
+        for lane in self._order:
             known, used = lane.situation, receiver.is_used
             if known.calm != calm or known.receiver_used != used or known.fix_shift_s != receiver.shift_s:
                 lane.situation = Situation(calm, used, receiver.shift_s)

@@ -145,7 +145,7 @@ def _fuse_field(
     iron = before.iron if in_place else None
     field = field_of(sample)
     if field is None:
-        is_new = sample.mag is not None and sample.mag != memory.last_reading
+        is_new = memory.is_new(sample)
         unusable = Innovation(Aid.MAGNETOMETER, Fusion.IMPLAUSIBLE, sample.t_ns) if is_new else None
         return nav, memory.skipped(sample, dt_s, unusable), iron
     if not reading_is_due(memory, sample, dt_s, parameters):

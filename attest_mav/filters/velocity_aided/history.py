@@ -17,6 +17,8 @@ LENGTH_NS: Final = 600_000_000
 """Age of the oldest fix that can be used, ns: message age plus receiver delay."""
 SPACING_NS: Final = 8_000_000
 """Least time between two points, ns: faster samples are not all kept."""
+CHUNK: Final = 8
+"""Points that are kept together: a step copies the references to so many at most, and not those to all."""
 FUTURE_NS: Final = 50_000_000
 """How far in the future a fix may lie and count as of now, ns: the low-passed sensors are late themselves."""
 
@@ -34,13 +36,23 @@ class HistoryPoint(Record):
 
 @mypyc_attr(acyclic=True, free_list_len=1)
 class DeltaVelocityHistory(Record):
-    """The last 0.6 s of integrated specific force."""
+    """The last 0.6 s of integrated specific force. A point is followed by the next one, and the last by the newest."""
 
-    def __init__(self, points: tuple[HistoryPoint, ...], newest: HistoryPoint) -> None:
-        self.points: Final = points
-        """Old to new, without the newest; at most ``LENGTH_NS / SPACING_NS`` and two."""
+    def __init__(
+        self,
+        chunks: tuple[tuple[HistoryPoint, ...], ...],
+        recent: tuple[HistoryPoint, ...],
+        newest: HistoryPoint,
+        oldest_ns: int,
+    ) -> None:
+        self.chunks: Final = chunks
+        """Points old to new, ``CHUNK`` of them in each."""
+        self.recent: Final = recent
+        """The points behind them, at most ``CHUNK``."""
         self.newest: Final = newest
         """The present."""
+        self.oldest_ns: Final = oldest_ns
+        """A point that is followed by an older one than this does not count, ns."""
 
 
 @mypyc_attr(acyclic=True)
@@ -58,7 +70,7 @@ class Lookback(Record):
 
 def empty_history(t_ns: int) -> DeltaVelocityHistory:
     """A history that begins now."""
-    return DeltaVelocityHistory((), HistoryPoint(t_ns, (0.0, 0.0, 0.0)))
+    return DeltaVelocityHistory((), (), HistoryPoint(t_ns, (0.0, 0.0, 0.0)), t_ns - LENGTH_NS)
 
 
 def appended(history: DeltaVelocityHistory, t_ns: int, delta_velocity: Vec3) -> DeltaVelocityHistory:
@@ -66,22 +78,25 @@ def appended(history: DeltaVelocityHistory, t_ns: int, delta_velocity: Vec3) -> 
 
     A clock that does not go on, as one of 32 bits that has wrapped, begins a new one.
     """
-    if t_ns <= history.newest.t_ns:
+    before, recent = history.newest, history.recent
+    if t_ns <= before.t_ns:
         return empty_history(t_ns)
-    points = history.points
-    if not points or history.newest.t_ns - points[-1].t_ns >= SPACING_NS:
-        points = _recent(points, history.newest.t_ns, t_ns - LENGTH_NS) + (history.newest,)  # noqa: RUF005 - one copy less
-    return DeltaVelocityHistory(points, HistoryPoint(t_ns, add(history.newest.delta_velocity, delta_velocity)))
+    newest = HistoryPoint(t_ns, add(before.delta_velocity, delta_velocity))
+    if recent and before.t_ns - recent[-1].t_ns < SPACING_NS:
+        return DeltaVelocityHistory(history.chunks, recent, newest, history.oldest_ns)
+    oldest_ns = t_ns - LENGTH_NS
+    if len(recent) < CHUNK:
+        return DeltaVelocityHistory(history.chunks, recent + (before,), newest, oldest_ns)  # noqa: RUF005 - one copy less
+    chunks = _counting(history.chunks, oldest_ns) + (recent,)  # noqa: RUF005
+    return DeltaVelocityHistory(chunks, (before,), newest, oldest_ns)
 
 
-def _recent(points: tuple[HistoryPoint, ...], newest_ns: int, oldest_ns: int) -> tuple[HistoryPoint, ...]:
-    """The points from the last one before ``oldest_ns``; newest_ns: the time of the point that comes behind them."""
-    if newest_ns < oldest_ns:
-        return ()
+def _counting(chunks: tuple[tuple[HistoryPoint, ...], ...], oldest_ns: int) -> tuple[tuple[HistoryPoint, ...], ...]:
+    """The chunks from the first one on that holds a point which counts."""
     first = 0
-    while first + 1 < len(points) and points[first + 1].t_ns < oldest_ns:
+    while first + 1 < len(chunks) and chunks[first + 1][0].t_ns < oldest_ns:
         first += 1
-    return points[first:]
+    return chunks[first:]
 
 
 def look_back(history: DeltaVelocityHistory, t_ns: int) -> Lookback | None:
@@ -91,13 +106,22 @@ def look_back(history: DeltaVelocityHistory, t_ns: int) -> Lookback | None:
         if t_ns > newer.t_ns + FUTURE_NS:
             return None
         t_ns = newer.t_ns
-    newest = history.newest
-    for i in range(len(history.points) - 1, -1, -1):
-        older = history.points[i]
-        if older.t_ns <= t_ns:
-            span_s = (newer.t_ns - older.t_ns) * 1e-9
-            specific_force = scale(sub(newer.delta_velocity, older.delta_velocity), 1.0 / span_s)
-            then = add(older.delta_velocity, scale(specific_force, (t_ns - older.t_ns) * 1e-9))
-            return Lookback(sub(newest.delta_velocity, then), (newest.t_ns - t_ns) * 1e-9, specific_force)
-        newer = older
+    for index in range(len(history.chunks), -1, -1):
+        points = history.recent if index == len(history.chunks) else history.chunks[index]
+        for i in range(len(points) - 1, -1, -1):
+            older = points[i]
+            if older.t_ns <= t_ns:
+                return _between(older, newer, history, t_ns)
+            newer = older
     return None
+
+
+def _between(older: HistoryPoint, newer: HistoryPoint, history: DeltaVelocityHistory, t_ns: int) -> Lookback | None:
+    """The motion since an instant between two points, None where the older one does not count."""
+    if newer.t_ns < history.oldest_ns:
+        return None
+    newest = history.newest
+    span_s = (newer.t_ns - older.t_ns) * 1e-9
+    specific_force = scale(sub(newer.delta_velocity, older.delta_velocity), 1.0 / span_s)
+    then = add(older.delta_velocity, scale(specific_force, (t_ns - older.t_ns) * 1e-9))
+    return Lookback(sub(newest.delta_velocity, then), (newest.t_ns - t_ns) * 1e-9, specific_force)

@@ -37,10 +37,9 @@ def read(sample: ImuSample, before: Vec3) -> Reading:
 
 def field_of(sample: ImuSample) -> Vec3 | None:
     """The sample's magnetic field, gauss; None when it has no usable one."""
-    mag = sample.mag
-    if mag is None or not is_field(mag):
+    if not (sample.has_field and is_field(sample.field)):
         return None
-    return dequantised(mag, sample.quantum.mag)
+    return dequantised(sample.field, sample.quantum.mag)
 
 
 def dequantised(v: Vec3, unit: float) -> Vec3:

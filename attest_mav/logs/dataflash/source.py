@@ -107,7 +107,7 @@ class DataflashSource:
             share = walker.position / length
             for start in range(0, len(samples), BATCH):
                 some = samples[start : start + BATCH]
-                yield SampleBatch(some, [0] * len(some), share)
+                yield SampleBatch(some, [], share)
 
     def notes(self, plan: Plan) -> list[str]:
         """Remarks on the sensor, and on the damage."""

@@ -1,11 +1,10 @@
 """A telemetry log as a source of samples: the survey is the first pass, the decoder runs in the second."""
 
 from collections.abc import Iterator
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from attest_mav.errors import UnreadableDataError
 from attest_mav.logs.source import EXPECTED, ByteSink, LogBytes, LogSummary, Plan, Progress, SampleBatch
-from attest_mav.logs.tlog.annotate import OUR_COMPONENT, AnnotatedLogWriter
 from attest_mav.logs.tlog.clocks import LogClocks
 from attest_mav.logs.tlog.reader import TlogReader
 from attest_mav.logs.tlog.roles import AIDING, FRAME, SELF_REPORTS
@@ -14,12 +13,14 @@ from attest_mav.logs.tlog.stamps import time_field
 from attest_mav.logs.tlog.summary import summarize
 from attest_mav.logs.tlog.survey import Survey
 from attest_mav.logs.windows import read_windows
-from attest_mav.mavlink.component.encoder import Encoder
 from attest_mav.mavlink.decode.decoder import Decoder, of_message
 from attest_mav.mavlink.decode.units import MagnitudeCheck
 from attest_mav.mavlink.dialect import Dialect, load_dialect
 from attest_mav.mavlink.wire.frame import Frame
 from attest_mav.samples import Sample
+
+if TYPE_CHECKING:
+    from attest_mav.logs.tlog.annotate import AnnotatedLogWriter
 
 FIX: Final = "GPS_RAW_INT"
 BARE_NOTE: Final = "a bare MAVLink stream, without the times of arrival of a tlog: it is read by the vehicle's clock"
@@ -48,6 +49,7 @@ class MavlinkSource:
         self._clocks: LogClocks | None = None
         self._decoder = Decoder(dialect)
         self._repairs: dict[int, StampRepair | FixRepair] = {}
+        self._is_annotated = False
 
     def summary(self, progress: Progress | None = None) -> LogSummary:
         """First pass. UnreadableDataError if the log has no MAVLink message."""
@@ -140,17 +142,21 @@ class MavlinkSource:
         positions: list[int] = []
         for frame in frames:
             if frame.system == system and frame.component == component:
-                end = frame.offset + frame.size
                 repair = repairs.get(frame.message_id) if repairs else None
-                for sample in decoder.decode(frame if repair is None else repair.repaired(frame)):
-                    samples.append(sample)
-                    positions.append(end)
+                decoded = decoder.decode(frame if repair is None else repair.repaired(frame))
+                samples.extend(decoded)
+                if self._is_annotated:
+                    positions.extend([frame.offset + frame.size] * len(decoded))
         return SampleBatch(samples, positions, frames[-1].offset / length)
 
 
 class TlogSource(MavlinkSource):
     """The source of a tlog, which can hold our estimates."""
 
-    def estimate_writer(self, plan: Plan, sink: ByteSink) -> AnnotatedLogWriter:
+    def estimate_writer(self, plan: Plan, sink: ByteSink) -> "AnnotatedLogWriter":
         """A writer of this log with ATTITUDE_QUATERNION of our component inserted."""
+        from attest_mav.logs.tlog.annotate import OUR_COMPONENT, AnnotatedLogWriter  # noqa: PLC0415 - costs 2 ms
+        from attest_mav.mavlink.component.encoder import Encoder  # noqa: PLC0415
+
+        self._is_annotated = True
         return AnnotatedLogWriter(self._data, sink, Encoder(self._dialect, plan.vehicle[0], OUR_COMPONENT))

@@ -103,7 +103,7 @@ class UlogSource:
             share = walker.position / length
             for start in range(0, len(samples), BATCH):
                 some = samples[start : start + BATCH]
-                yield SampleBatch(some, [0] * len(some), share)
+                yield SampleBatch(some, [], share)
 
     def notes(self, plan: Plan) -> list[str]:
         """Remarks on the sensor, on damage and on what the recorder has lost."""

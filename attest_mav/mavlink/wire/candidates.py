@@ -10,7 +10,7 @@ from typing import Final
 from mypy_extensions import i64
 
 from attest_mav.mavlink.dialect import Dialect
-from attest_mav.mavlink.wire.checksum import explaining_extra, mirrored, mirrored_crc
+from attest_mav.mavlink.wire.checksum import checksum, checksum_at, explaining_extra
 from attest_mav.mavlink.wire.frame import INCOMPLETE, MAGIC_V1, NO_FRAME, header_at, message_id_at, size_at
 from attest_mav.mavlink.wire.running_checksum import MAX_LENGTH, RunningChecksum, ZeroTables
 
@@ -32,12 +32,11 @@ class Candidates:
     def __init__(self, dialect: Dialect, intact: bool = False) -> None:
         """intact: every frame of the buffers is known to be intact, so that no checksum is needed."""
         self._is_intact: Final = intact
-        self._extras: Final = dialect.mirrored_extras
-        self._ids: i64 = len(dialect.mirrored_extras)
+        self._extras: Final = dialect.crc_extras
+        self._ids: i64 = len(dialect.crc_extras)
         self._sizes_v1: Final = dialect.sizes_v1
         self._zero_tables: Final[list[ZeroTables | None]] = [None] * MAX_LENGTH
         self._data = b""
-        self._mirror = b""
         self._end: i64 = 0
         self._running: RunningChecksum | None = None
         self._patience: i64 = 0
@@ -45,7 +44,6 @@ class Candidates:
     def begin(self, data: bytes) -> None:
         """Look at this buffer from now on."""
         self._data = data
-        self._mirror = b"" if self._is_intact else mirrored(data)
         self._end = len(data)
         self._running = None
         self._patience = PATIENCE * self._end + PATIENCE_BYTES
@@ -66,10 +64,8 @@ class Candidates:
             return INCOMPLETE
         if self._is_intact:
             return size
-        checksum = at + header_at(data, at) + data[at + 1]
-        mirror = self._mirror
-        received: i64 = (mirror[checksum] << 8) | mirror[checksum + 1]
-        return size if self._crc(at + 1, checksum, extra) == received else BAD_CRC
+        behind = at + header_at(data, at) + data[at + 1]
+        return size if self._crc(at + 1, behind, extra) == checksum_at(data, behind) else BAD_CRC
 
     def explained(self, at: i64) -> i64:
         """Size of the candidate with an unknown id at ``at`` when some CRC extra explains its checksum."""
@@ -79,8 +75,8 @@ class Candidates:
         size = size_at(data, at, self._end)
         if at + size > self._end:
             return INCOMPLETE
-        checksum = at + header_at(data, at) + data[at + 1]
-        return size if explaining_extra(self._mirror, at + 1, checksum) >= 0 else NO_FRAME
+        behind = at + header_at(data, at) + data[at + 1]
+        return size if explaining_extra(data, at + 1, behind) >= 0 else NO_FRAME
 
     def proven_unknown(self, at: i64, lead: i64, final: bool) -> i64:
         """Size of the frame with an unknown id at ``at``, by what follows; INCOMPLETE while undecided; else NO_FRAME.
@@ -111,5 +107,5 @@ class Candidates:
             return running.crc(start, stop, extra)
         self._patience -= stop - start
         if self._patience < 0:
-            self._running = RunningChecksum(self._mirror, self._zero_tables)
-        return mirrored_crc(self._mirror, start, stop, extra)
+            self._running = RunningChecksum(self._data, self._zero_tables)
+        return checksum(self._data, start, stop, extra)

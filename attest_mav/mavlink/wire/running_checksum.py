@@ -8,9 +8,9 @@ A plain pass over each candidate is quicker as long as candidates are few. Bytes
 everywhere would cost 260 passes a byte.
 """
 
-from binascii import crc_hqx
 from typing import Final
 
+from fastcrc.crc16 import mcrf4xx
 from mypy_extensions import i64
 
 from attest_mav.mavlink.wire.checksum import stepped
@@ -25,26 +25,26 @@ class ZeroTables:
 
     def __init__(self, length: int) -> None:
         zeros = bytes(length)
-        bits = [crc_hqx(zeros, 1 << bit) for bit in range(16)]
+        bits = [mcrf4xx(zeros, 1 << bit) for bit in range(16)]
         self.low: Final = _combinations(bits[:8])
         self.high: Final = _combinations(bits[8:])
 
 
 class RunningChecksum:
-    """Checksums in one mirrored buffer."""
+    """Checksums in one buffer."""
 
-    def __init__(self, mirror: bytes, tables: list[ZeroTables | None]) -> None:
+    def __init__(self, data: bytes, tables: list[ZeroTables | None]) -> None:
         """``tables``: by length, ``MAX_LENGTH`` of them; filled as needed, to be kept for the next buffer."""
         self._tables: Final = tables
         register: i64 = 0
         registers = [0]
-        for byte in mirror:
+        for byte in data:
             register = stepped(register, byte)
             registers.append(register)
         self._registers: Final = registers
 
-    def crc(self, start: i64, stop: i64, mirrored_extra: i64) -> i64:
-        """The same as ``checksum.mirrored_crc`` of this buffer."""
+    def crc(self, start: i64, stop: i64, extra: i64) -> i64:
+        """The same as ``checksum.checksum`` of this buffer."""
         length: i64 = stop - start
         tables = self._tables[length]
         if tables is None:
@@ -52,7 +52,7 @@ class RunningChecksum:
         register: i64 = self._registers[start]
         register ^= START
         passed: i64 = tables.low[register & 0xFF] ^ tables.high[register >> 8]
-        return stepped(self._registers[stop] ^ passed, mirrored_extra)
+        return stepped(self._registers[stop] ^ passed, extra)
 
 
 def _combinations(bits: list[int]) -> list[int]:

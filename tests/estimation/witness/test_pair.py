@@ -3,7 +3,7 @@ from math import radians
 import numpy as np
 import pytest
 
-from attest_mav.estimation.witness.pair import Difference, RunningDifference, contrast
+from attest_mav.estimation.witness.pair import Difference, PairedReading, RunningDifference, contrast
 
 ZERO = (0.0, 0.0, 0.0)
 
@@ -21,7 +21,7 @@ def differences():
 def test_mean_and_scatter_are_those_of_the_last_half_second(differences):
     running = RunningDifference(0.5)
     for t_ns, gyro, accel in differences:
-        running.take(t_ns, gyro, accel)
+        running.take(PairedReading(t_ns, gyro, accel))
     found = running.difference()
     gyros = np.array([gyro for _, gyro, _ in differences[-26:]])
     accels = np.array([accel for _, _, accel in differences[-26:]])
@@ -35,7 +35,7 @@ def test_nothing_is_compared_before_most_of_the_time_is_there(differences):
     running = RunningDifference(0.5)
     spans = []
     for t_ns, gyro, accel in differences[:30]:
-        running.take(t_ns, gyro, accel)
+        running.take(PairedReading(t_ns, gyro, accel))
         spans.append(running.spans)
     assert not any(spans[:20])
     assert all(spans[25:])
@@ -44,8 +44,8 @@ def test_nothing_is_compared_before_most_of_the_time_is_there(differences):
 def test_a_clock_that_goes_back_begins_anew(differences):
     running = RunningDifference(0.5)
     for t_ns, gyro, accel in differences:
-        running.take(t_ns, gyro, accel)
-    running.take(0, (1.0, 0.0, 0.0), ZERO)
+        running.take(PairedReading(t_ns, gyro, accel))
+    running.take(PairedReading(0, (1.0, 0.0, 0.0), ZERO))
     assert running.difference().count == 1
     assert running.difference().gyro == (1.0, 0.0, 0.0)
 
@@ -53,12 +53,12 @@ def test_a_clock_that_goes_back_begins_anew(differences):
 @pytest.mark.parametrize(("rate", "differs"), [(0.7, False), (0.9, True)])
 def test_gyros_differ_beyond_their_biases(rate, differs):
     excess = (0.01 + radians(rate), 0.0, 0.0)
-    found = contrast(Difference(excess, ZERO, ZERO, ZERO, 25), (0.01, 0.0, 0.0), ZERO)
+    found = contrast(Difference(excess, ZERO, ZERO, 25), (0.01, 0.0, 0.0), ZERO)
     assert found.gyros_differ is differs
 
 
 def test_accelerometers_that_scatter_may_differ_by_more():
-    quiet = Difference(ZERO, (0.8, 0.0, 0.0), ZERO, (0.05, 0.05, 0.05), 25)
-    shaken = Difference(ZERO, (0.8, 0.0, 0.0), ZERO, (1.0, 1.0, 1.0), 25)
+    quiet = Difference(ZERO, (0.8, 0.0, 0.0), (0.05, 0.05, 0.05), 25)
+    shaken = Difference(ZERO, (0.8, 0.0, 0.0), (1.0, 1.0, 1.0), 25)
     assert contrast(quiet, ZERO, ZERO).accels_differ
     assert not contrast(shaken, ZERO, ZERO).accels_differ

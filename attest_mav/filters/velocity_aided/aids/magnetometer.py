@@ -23,7 +23,6 @@ from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.innovation import Aid, Fusion, Innovation
 from attest_mav.record import Record
 from attest_mav.samples import ImuSample
-from attest_mav.types import Vec3
 
 REUSE_S: Final = 0.5
 """At rest an unchanged reading is fused again after this long, s."""
@@ -60,7 +59,7 @@ class Magnetometer(Record):
 
     def __init__(
         self,
-        last_reading: Vec3 | None,
+        last: ImuSample | None,
         since_reading_s: float,
         since_accepted_s: float,
         usual: UsualField | None,
@@ -68,8 +67,8 @@ class Magnetometer(Record):
         innovation_power: float,
         innovation: Innovation | None,
     ) -> None:
-        self.last_reading: Final = last_reading
-        """The last reading as received, gauss; None before the first."""
+        self.last: Final = last
+        """The last sample with a reading; None before the first."""
         self.since_reading_s: Final = since_reading_s
         """Time since a reading was fused, s."""
         self.since_accepted_s: Final = since_accepted_s
@@ -88,10 +87,15 @@ class Magnetometer(Record):
         """True when this step's reading agreed with the heading."""
         return self.innovation is not None and self.innovation.fusion == Fusion.USED
 
+    def is_new(self, sample: ImuSample) -> bool:
+        """True when the sample has another reading than the last one with a reading."""
+        last = self.last
+        return sample.has_field and (last is None or sample.field != last.field)
+
     def after_reset(self) -> "Magnetometer":
         """The memory at a start: all but the record of an earlier step."""
         return Magnetometer(
-            self.last_reading,
+            self.last,
             self.since_reading_s,
             self.since_accepted_s,
             self.usual,
@@ -104,7 +108,7 @@ class Magnetometer(Record):
         """The memory without what it has learnt of a field that had iron in it."""
         first = initial_magnetometer(parameters)
         return Magnetometer(
-            self.last_reading,
+            self.last,
             self.since_reading_s,
             self.since_accepted_s,
             first.usual,
@@ -116,7 +120,7 @@ class Magnetometer(Record):
     def skipped(self, sample: ImuSample, dt_s: float, innovation: Innovation | None) -> "Magnetometer":
         """The memory after a step without a reading to be fused. innovation: of one that cannot be, if it is new."""
         return Magnetometer(
-            self.last_reading if sample.mag is None else sample.mag,
+            sample if sample.has_field else self.last,
             self.since_reading_s + dt_s,
             self.since_accepted_s,
             self.usual,
@@ -137,7 +141,7 @@ def reading_is_due(magnetometer: Magnetometer, sample: ImuSample, dt_s: float, p
     One that comes too soon is not fused later: it would be older than its delay says.
     """
     since_s = magnetometer.since_reading_s + dt_s
-    if sample.mag != magnetometer.last_reading:
+    if magnetometer.is_new(sample):
         return since_s > parameters.mag_spacing_s or magnetometer.usual is None
     return since_s > REUSE_S and norm(sample.gyro) < REST_RATE
 
@@ -172,7 +176,7 @@ def fuse_magnetometer(
     inflated = nominal * inflation(normalised, parameters.mag_knee)
     variance = inflated + square(parameters.disturbance_weight * disturbance)
     return fuse(nav, measurement, cross_cov, variance, estimates_sensors), Magnetometer(
-        sample.mag,
+        sample,
         0.0,
         0.0 if agrees else magnetometer.since_accepted_s + magnetometer.since_reading_s + dt_s,
         _followed(magnetometer.usual, field, deviation < parameters.disturbance_free, since_s),
