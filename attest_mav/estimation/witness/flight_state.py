@@ -12,7 +12,7 @@ from attest_mav.estimation.field_evidence import FieldReading
 from attest_mav.filters.base import FilterState
 from attest_mav.filters.velocity_aided.aids.field import levelled_field
 from attest_mav.filters.velocity_aided.aids.gnss_velocity import fuse_velocity
-from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
+from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock, decoupled
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, body_rate
 from attest_mav.filters.velocity_aided.navigation import Navigation
@@ -153,20 +153,20 @@ def with_delay_variance(one: VelocityAided, state: FilterState, variance: float)
 def on_another_sensor(
     one: VelocityAided,
     state: FilterState,
+    own: FilterState,
     gyro_offset: Vec3,
     accel_offset: Vec3,
-    iron: Vec3,
     bias_variance: float,
 ) -> FilterState:
     """The state as another inertial sensor goes on from it, which reads more by these offsets, rad/s and m/s^2.
 
-    iron: hard iron of that sensor's own magnetometer, gauss, which is as uncertain as at the start. bias_variance: of
-    the remaining gyro bias, (rad/s)^2.
+    own: that sensor's last state, which has the hard iron of its magnetometer. bias_variance: of the remaining gyro
+    bias, (rad/s)^2.
     """
-    navigation = navigation_of(state)
-    if navigation is None:
+    navigation, before = navigation_of(state), navigation_of(own)
+    if navigation is None or before is None:
         return state
-    nav = navigation.estimate
+    nav, iron = navigation.estimate, before.estimate.hard_iron
     moved = NavigationState(
         nav.q_nb,
         nav.velocity,
@@ -177,8 +177,8 @@ def on_another_sensor(
         nav.mag_lag_s,
         nav.fix_lag_s,
         nav.declination_error,
-        nav.covariance,
-    ).decoupled(ErrorBlock.HARD_IRON, one.parameters.hard_iron**2)
+        decoupled(nav.covariance, ErrorBlock.HARD_IRON, before.estimate.covariance.mm),
+    )
     variance = (bias_variance, bias_variance, bias_variance)
     return _with_estimate(one, state, moved.with_added_variance(ErrorBlock.GYRO_BIAS, variance))
 
