@@ -13,7 +13,7 @@ from attest_mav.filters.base import FilterState
 from attest_mav.filters.velocity_aided.aids.field import levelled_field
 from attest_mav.filters.velocity_aided.aids.gnss_velocity import fuse_velocity
 from attest_mav.filters.velocity_aided.calibration import without
-from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
+from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock, decoupled
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, body_rate
 from attest_mav.filters.velocity_aided.navigation import Navigation
@@ -188,20 +188,20 @@ def without_calibration(one: VelocityAided, state: FilterState) -> FilterState:
 def on_another_sensor(
     one: VelocityAided,
     state: FilterState,
+    own: FilterState,
     gyro_offset: Vec3,
     accel_offset: Vec3,
-    iron: Vec3,
     bias_variance: float,
 ) -> FilterState:
     """The state as another inertial sensor goes on from it, which reads more by these offsets, rad/s and m/s^2.
 
-    iron: hard iron of that sensor's own magnetometer, gauss, which is as uncertain as at the start. bias_variance: of
-    the remaining gyro bias, (rad/s)^2.
+    own: that sensor's last state, which has the hard iron of its magnetometer. bias_variance: of the remaining gyro
+    bias, (rad/s)^2.
     """
-    navigation = navigation_of(state)
-    if navigation is None:
+    navigation, before = navigation_of(state), navigation_of(own)
+    if navigation is None or before is None:
         return state
-    nav = navigation.estimate
+    nav, iron = navigation.estimate, before.estimate.hard_iron
     moved = NavigationState(
         nav.q_nb,
         nav.velocity,
@@ -212,8 +212,8 @@ def on_another_sensor(
         nav.mag_lag_s,
         nav.fix_lag_s,
         nav.declination_error,
-        nav.covariance,
-    ).decoupled(ErrorBlock.HARD_IRON, one.parameters.hard_iron**2)
+        decoupled(nav.covariance, ErrorBlock.HARD_IRON, before.estimate.covariance.mm),
+    )
     variance = (bias_variance, bias_variance, bias_variance)
     moved = moved.with_added_variance(ErrorBlock.GYRO_BIAS, variance)
     return one.with_estimate(cast("VelocityAidedState", state), moved, is_same_sensor=False)

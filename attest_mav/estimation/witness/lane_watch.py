@@ -61,8 +61,6 @@ class LaneWatch(Stepper):
         self.gyro_bias: Vec3 = (0.0, 0.0, 0.0)
         self.accel_bias: Vec3 = (0.0, 0.0, 0.0)
         """Biases that its readings are compared with while it stands aside, rad/s and m/s^2."""
-        self.hard_iron: Vec3 = (0.0, 0.0, 0.0)
-        """Of its magnetometer, from which it goes on when it returns, gauss."""
         self.configured: VelocityAided | None = None
         """The filter with the vehicle's settings; None before its first step."""
         self.filter: VelocityAided | None = None

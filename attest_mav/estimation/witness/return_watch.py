@@ -14,7 +14,6 @@ from attest_mav.estimation.witness.challenger import Challenge, Challenger
 from attest_mav.estimation.witness.coasting import Coasting
 from attest_mav.estimation.witness.flight_state import (
     accel_bias,
-    hard_iron,
     on_another_sensor,
     with_added_variance,
     with_delay_variance,
@@ -122,7 +121,7 @@ def _take_over(one: VelocityAided, lane: LaneWatch, selected: LaneWatch, state: 
         lane.adopt(state)
         return
     gyro, accel = sub(own.gyro_bias, theirs.gyro_bias), sub(accel_bias(own), accel_bias(theirs))
-    lane.adopt(on_another_sensor(one, state, gyro, accel, hard_iron(own), 0.0))
+    lane.adopt(on_another_sensor(one, state, own, gyro, accel, 0.0))
 
 
 def _apart(a: FilterState, b: FilterState) -> float:

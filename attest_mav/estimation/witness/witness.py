@@ -13,7 +13,7 @@ from attest_mav.estimation.witness.bias_scale import follow_scale
 from attest_mav.estimation.witness.compass_readings import CompassReadings
 from attest_mav.estimation.witness.dispute import LanePair
 from attest_mav.estimation.witness.doubt import Doubt
-from attest_mav.estimation.witness.flight_state import accel_bias, hard_iron, on_another_sensor
+from attest_mav.estimation.witness.flight_state import accel_bias, on_another_sensor
 from attest_mav.estimation.witness.lane_watch import LaneWatch
 from attest_mav.estimation.witness.members import candidate_member, is_near, lane_member
 from attest_mav.estimation.witness.moments import Moment
@@ -183,7 +183,6 @@ class Witness:
         oldest = lane.moments.oldest
         if oldest is not None and oldest.before is not None:
             lane.gyro_bias, lane.accel_bias = oldest.before.gyro_bias, accel_bias(oldest.before)
-            lane.hard_iron = hard_iron(oldest.before)
         self._end_disputes(lane)
         for pair in self._pairs:
             if pair.has(lane):
@@ -198,11 +197,12 @@ class Witness:
 
     def _take_back(self, aside: LaneWatch, pair: LanePair, events: list[Event]) -> None:
         """A sensor is well again: its filter goes on from the healthy one's state."""
-        healthy, one, newest = pair.other(aside).state, pair.other(aside).filter, aside.moments.newest
-        if healthy is None or one is None or newest is None:
+        healthy, one = pair.other(aside).state, pair.other(aside).filter
+        own, newest = aside.state, aside.moments.newest
+        if healthy is None or one is None or own is None or newest is None:
             return
         more = pair.reads_more(aside)
-        aside.adopt(on_another_sensor(one, healthy, more.gyro, more.accel, aside.hard_iron, RETURN_BIAS**2))
+        aside.adopt(on_another_sensor(one, healthy, own, more.gyro, more.accel, RETURN_BIAS**2))
         aside.standing = Standing.GOOD
         pair.end()
         events.append(_event(aside, newest, LaneEventKind.RETURNED, "reads like the other sensor again: it is used"))
