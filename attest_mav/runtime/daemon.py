@@ -116,7 +116,8 @@ class Daemon:
         learns = config.state.calibration and is_named(config.state.folder, os.environ)
         if not (config.keeps_state or learns):
             return None
-        keeper = StateKeeper(self.service.persistence, state_path(config.state.folder, os.environ), now_ns)
+        path = state_path(config.state.folder, os.environ)
+        keeper = StateKeeper(self.service.persistence, path, now_ns, keeps_time=config.keeps_state)
         self.loop.add(keeper)
         return keeper
 

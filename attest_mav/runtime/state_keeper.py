@@ -42,13 +42,16 @@ def is_named(folder: str, environment: Mapping[str, str]) -> bool:
 class StateKeeper(Handler):
     """Restores the state of a service, and writes it from time to time.
 
+    keeps_time: whether the time of signatures must be kept; else the file is written when something else has changed.
+
     ConfigError where it cannot be written; a disk that is full or read-only is told, and tried again. A thread of its
     own writes: a memory card may take seconds, and the loop waits for nothing.
     """
 
-    def __init__(self, persistence: Persistence, path: Path, now_ns: int) -> None:
+    def __init__(self, persistence: Persistence, path: Path, now_ns: int, keeps_time: bool = True) -> None:
         self._persistence: Final = persistence
         self._path: Final = path
+        self._keeps_time: Final = keeps_time
         self._disk: Final = ThreadPoolExecutor(1, "state")
         self._writing: tuple[KeptState, Future[None]] | None = None
         self._due_ns = now_ns + LOOK_NS
@@ -79,8 +82,9 @@ class StateKeeper(Handler):
         self._persistence.set_time(time.time_ns(), now_ns)
         if self._writing is not None and self._writing[1].done():
             self.settle()
-        is_due = now_ns >= self._time_due_ns or self._persistence.state.parameters != self._written.parameters
-        if is_due and self._writing is None:
+        state, written = self._persistence.state, self._written
+        is_due = now_ns >= self._time_due_ns and (self._keeps_time or state.calibrations != written.calibrations)
+        if self._writing is None and (is_due or state.parameters != written.parameters):
             self._time_due_ns = now_ns + PERIOD_NS
             self._begin()
 

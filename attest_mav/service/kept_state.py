@@ -47,7 +47,8 @@ class Persistence:
 
     def __init__(self, clock: SigningClock, parameters: OwnParameters, calibrations: CalibrationStore) -> None:
         self._clock: Final = clock
-        self._calibrations: Final = calibrations
+        self.calibrations: Final = calibrations
+        """Errors of sensors by flights."""
         self._parameters: Final = parameters
 
     @property
@@ -55,15 +56,15 @@ class Persistence:
         """The state that must survive a restart."""
         changes = self._parameters.changes
         kept = {name: KeptParameter(one.value, one.by) for name, one in changes.items()}
-        return KeptState(self._clock.timestamp, kept, self._calibrations.kept)
+        return KeptState(self._clock.timestamp, kept, self.calibrations.kept)
 
     def restore(self, state: KeptState, unix_ns: int, now_ns: int) -> None:
         """Go on from the state kept before a restart. unix_ns: the time of day."""
         self._clock.begin(state.signing_timestamp, unix_ns, now_ns)
-        self._calibrations.restore(state.calibrations, unix_ns * 1e-9)
+        self.calibrations.restore(state.calibrations, unix_ns * 1e-9)
         self._parameters.restore({name: ParameterChange(one.value, one.by) for name, one in state.parameters.items()})
 
     def set_time(self, unix_ns: int, now_ns: int) -> None:
         """Take the time of day, ns of UNIX: signatures follow it, and the age of what is learned."""
-        self._calibrations.set_time(unix_ns * 1e-9)
+        self.calibrations.set_time(unix_ns * 1e-9)
         self._clock.set_time(unix_ns, now_ns)

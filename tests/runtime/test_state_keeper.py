@@ -10,6 +10,7 @@ import pytest
 
 from attest_mav.config.parsing import parse_config
 from attest_mav.errors import ConfigError
+from attest_mav.filters.calibration import SensorCalibration, UncertainVector
 from attest_mav.mavlink.dialect import load_dialect
 from attest_mav.runtime.state_keeper import StateKeeper, state_path
 from attest_mav.service.assembly import service_settings
@@ -135,3 +136,19 @@ def test_a_disk_that_does_not_answer_holds_up_nothing_and_gets_one_write_at_a_ti
 )
 def test_the_folder_is_the_configured_one_or_systemds_or_the_users(folder, environment, path):
     assert state_path(folder, environment) == Path(path)
+
+
+def test_without_signatures_the_file_is_written_when_something_is_learned(tmp_path, service):
+    path = tmp_path / "state.json"
+    keeper = StateKeeper(service.persistence, path, 0, keeps_time=False)
+    path.write_text("untouched")
+    for _ in range(20):
+        keeper.due(keeper.next_deadline_ns)
+        keeper.settle()
+    assert path.read_text() == "untouched"
+    vector = UncertainVector((0.0, 0.0, 0.0), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
+    service.persistence.calibrations.take(1, {"RAW_IMU": SensorCalibration(vector, vector)})
+    for _ in range(8):
+        keeper.due(keeper.next_deadline_ns)
+        keeper.settle()
+    assert json.loads(path.read_text())["calibrations"].keys() == {"1/RAW_IMU"}
