@@ -67,6 +67,8 @@ class FieldEvidence:
     def __init__(self) -> None:
         self.ratio = 0.0
         """Above zero the field is for our attitude."""
+        self.has_refuted = False
+        """Whether the field was against our attitude beyond doubt since both last levelled it alike."""
         self._watch: Final = FieldWatch()
         """The direction that the field had while both agreed."""
         self._hard_iron: Vec3 = (0.0, 0.0, 0.0)
@@ -93,10 +95,11 @@ class FieldEvidence:
         if agree or watch.mean is not None:
             watch.take(scale(add(ours, theirs), 0.5), reading.t_ns, agree)
         if agree:
-            self.ratio = 0.0
+            self.ratio, self.has_refuted = 0.0, self.has_refuted and self.shows_difference
         elif watch.mean is not None:
             ratio = self.ratio + watch.score_of(watch.residual_of(theirs)) - watch.score_of(watch.residual_of(ours))
             self.ratio = min(max(ratio, -LARGEST_EVIDENCE), LARGEST_EVIDENCE)
+            self.has_refuted = self.has_refuted or self.ratio <= -LARGEST_EVIDENCE
 
     def speaks(self, now_ns: int) -> bool:
         """Whether the magnetometer has a say: a reading has come lately, and both attitudes have agreed before."""

@@ -48,13 +48,14 @@ class FieldSupport:
 
         A difference of tilt alone that the field does not show needs no support of the field. Any other one needs that
         of all magnetometers together. Where the headings differ, none of them may be for the autopilot's either: one
-        of two that contradict each other is wrong, and nothing tells which.
+        of two that contradict each other is wrong, and nothing tells which. Iron turns with the vehicle, so that the
+        direction from before tells less and less: one that was for the autopilot's beyond doubt stays so.
         """
         speaking = [one for one in self._compasses.values() if one.speaks(now_ns)]
         if not speaking:
             return False
         if by_heading:
-            return not self._for_us or min([one.ratio for one in speaking]) < -FOR_US
+            return not self._for_us or any(one.has_refuted or one.ratio < -FOR_US for one in speaking)
         return not self._for_us and any(one.shows_difference for one in speaking)
 
     def tells_no_heading(self, lane: str) -> bool:

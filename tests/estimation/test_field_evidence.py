@@ -171,3 +171,17 @@ def test_readings_levelled_by_another_lane_than_the_one_compared_tell_nothing():
         readings.go_on(3.0, ours=OFF)
     assert same.forbids()
     assert not other.forbids()
+
+
+def test_a_heading_that_was_refuted_accuses_nobody_before_both_level_the_field_alike_again():
+    readings = Readings()
+    readings.go_on(10.0, ours=OFF)
+    readings.go_on(10.0, theirs=OFF)
+    assert readings.forbids(by_heading=True)
+    assert not readings.forbids(by_heading=False)
+    readings.go_on(1.0, theirs=(0.0, 0.0, 5.9), agree=True)
+    readings.go_on(10.0, theirs=OFF)
+    assert readings.forbids(by_heading=True)
+    readings.go_on(1.0, agree=True)
+    readings.go_on(10.0, theirs=OFF)
+    assert not readings.forbids(by_heading=True)

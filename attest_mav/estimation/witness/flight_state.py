@@ -195,24 +195,25 @@ def on_another_sensor(
 ) -> FilterState:
     """The state as another inertial sensor goes on from it, which reads more by these offsets, rad/s and m/s^2.
 
-    own: that sensor's last state, which has the hard iron of its magnetometer. bias_variance: of the remaining gyro
+    own: a state of that sensor, which has the hard iron of its magnetometer. bias_variance: of the remaining gyro
     bias, (rad/s)^2.
     """
     navigation, before = navigation_of(state), navigation_of(own)
-    if navigation is None or before is None:
+    if navigation is None:
         return state
-    nav, iron = navigation.estimate, before.estimate.hard_iron
+    nav = navigation.estimate
+    theirs = nav if before is None else before.estimate
     moved = NavigationState(
         nav.q_nb,
         nav.velocity,
         add(nav.gyro_bias, gyro_offset),
         nav.gyro_scale,
         add(nav.accel_bias, accel_offset),
-        iron,
+        theirs.hard_iron,
         nav.mag_lag_s,
         nav.fix_lag_s,
         nav.declination_error,
-        decoupled(nav.covariance, ErrorBlock.HARD_IRON, before.estimate.covariance.mm),
+        decoupled(nav.covariance, ErrorBlock.HARD_IRON, theirs.covariance.mm),
     )
     variance = (bias_variance, bias_variance, bias_variance)
     moved = moved.with_added_variance(ErrorBlock.GYRO_BIAS, variance)

@@ -61,6 +61,8 @@ class LaneWatch(Stepper):
         self.gyro_bias: Vec3 = (0.0, 0.0, 0.0)
         self.accel_bias: Vec3 = (0.0, 0.0, 0.0)
         """Biases that its readings are compared with while it stands aside, rad/s and m/s^2."""
+        self.before_fault: FilterState | None = None
+        """Its state from some seconds before it was set aside."""
         self.configured: VelocityAided | None = None
         """The filter with the vehicle's settings; None before its first step."""
         self.filter: VelocityAided | None = None

@@ -183,6 +183,7 @@ class Witness:
         oldest = lane.moments.oldest
         if oldest is not None and oldest.before is not None:
             lane.gyro_bias, lane.accel_bias = oldest.before.gyro_bias, accel_bias(oldest.before)
+            lane.before_fault = oldest.before
         self._end_disputes(lane)
         for pair in self._pairs:
             if pair.has(lane):
@@ -198,7 +199,8 @@ class Witness:
     def _take_back(self, aside: LaneWatch, pair: LanePair, events: list[Event]) -> None:
         """A sensor is well again: its filter goes on from the healthy one's state."""
         healthy, one = pair.other(aside).state, pair.other(aside).filter
-        own, newest = aside.state, aside.moments.newest
+        newest = aside.moments.newest
+        own = aside.state if aside.before_fault is None else aside.before_fault
         if healthy is None or one is None or own is None or newest is None:
             return
         more = pair.reads_more(aside)
