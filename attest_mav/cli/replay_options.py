@@ -94,7 +94,8 @@ def check_outputs(logs: Sequence[str], outputs: dict[str, str | None]) -> None:
             raise UsageError(f"{option} takes one LOG: {reason}")
     for option in (*ATTITUDES, "--save-calibration"):
         if outputs[option] is not None and outputs["--results"] is not None:
-            raise UsageError(f"{option} and --results: a result that is kept is figures alone; expected one of them")
+            lacks = "attitudes" if option in ATTITUDES else "errors of sensors"
+            raise UsageError(f"{option} and --results: a result that is kept has no {lacks}; expected one of them")
     paths = {option: Path(path) for option, path in outputs.items() if path is not None}
     for option, output in paths.items():
         for name in logs:

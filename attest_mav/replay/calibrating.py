@@ -17,10 +17,10 @@ def calibrate(flight: Flight, plan: Plan, vehicle: VehicleSummary, kept: "KeptCa
 
     Without a date of the flight the errors count as just learned.
     """
-    from attest_mav.config.calibration import calibrations_of  # noqa: PLC0415  (its library costs 20 ms)
-
     if not kept:
         return []
+    from attest_mav.config.calibration import calibrations_of  # noqa: PLC0415  (its library costs 20 ms)
+
     system, unix_s = plan.vehicle[0], _unix_s(vehicle)
     known = calibrations_of(kept, system, unix_s)
     for run in flight.runs:

@@ -108,7 +108,7 @@ def test_a_wrong_file_is_one_line(attest_mav, tmp_path, content, says):
     ("others", "says"),
     [
         ((START,), "--save-calibration takes one LOG: the errors of the sensors are those at the end of a flight"),
-        (("--results", "r"), "--save-calibration and --results: a result that is kept is figures alone"),
+        (("--results", "r"), "--save-calibration and --results: a result that is kept has no errors of sensors"),
         (("--dask", "localhost:1"), "--dask and --save-calibration: "),
         (("--csv", "c.json"), "--csv and --save-calibration are both c.json: expected two files"),
     ],
