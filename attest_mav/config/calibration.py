@@ -13,7 +13,9 @@ DAY_S: Final = 86400.0
 MAX_SENSORS: Final = 16
 """Sensors that are kept; the ones that were learned last."""
 
-_Component = Annotated[float, Meta(ge=-100.0, le=100.0)]
+LARGEST: Final = 100.0
+"""m/s^2 or gauss: no sensor is off by more."""
+_Component = Annotated[float, Meta(ge=-LARGEST, le=LARGEST)]
 _Vector = tuple[_Component, _Component, _Component]
 _Matrix = tuple[_Vector, _Vector, _Vector]
 
@@ -27,9 +29,11 @@ class KeptVector(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """In that unit squared."""
 
     def __post_init__(self) -> None:
-        """Refuse a matrix that is no covariance."""
+        """Refuse a matrix that is no covariance, and a mean that is no number."""
         if not is_covariance(self.covariance):
             raise ValueError("expected a covariance: symmetric, no negative variance")
+        if not all(abs(one) <= LARGEST for one in self.mean):
+            raise ValueError(f"expected numbers up to {LARGEST:g}")
 
 
 class KeptCalibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -39,23 +43,25 @@ class KeptCalibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """m/s^2."""
     hard_iron: KeptVector
     """gauss."""
-    learned_unix_s: Annotated[float, Meta(ge=0.0)]
-    """When they were learned, s since 1970."""
+    learned_unix_s: Annotated[float, Meta(ge=0.0)] | None
+    """When they were learned, s since 1970; None where nobody knew the time."""
 
-    def at(self, unix_s: float) -> SensorCalibration:
+    def at(self, unix_s: float | None) -> SensorCalibration:
         """The errors as a filter takes them at this time of day; a clock that is behind makes them no younger.
 
-        The age is in whole days, so that live flight and replay, whose clocks differ, begin with the same numbers.
+        The age is in whole days, so that live flight and replay, whose clocks differ, begin with the same numbers; 0
+        where a time is not known.
         """
-        bias, iron = self.accel_bias, self.hard_iron
+        bias, iron, learned_s = self.accel_bias, self.hard_iron, self.learned_unix_s
+        age_s = 0.0 if unix_s is None or learned_s is None else max(0.0, unix_s - learned_s)
         return SensorCalibration(
             UncertainVector(bias.mean, bias.covariance),
             UncertainVector(iron.mean, iron.covariance),
-            DAY_S * max(0.0, (unix_s - self.learned_unix_s) // DAY_S),
+            DAY_S * (age_s // DAY_S),
         )
 
 
-KeptCalibrations = dict[Annotated[str, Meta(pattern=r"^\d{1,3}/[A-Z0-9_]{1,40}$")], KeptCalibration]
+KeptCalibrations = dict[Annotated[str, Meta(pattern=r"^[1-9]\d{0,2}/[A-Za-z0-9_]{1,40}$")], KeptCalibration]
 """By ``SYSTEM/MESSAGE``: the vehicle's id and the sensor's inertial message."""
 
 
@@ -68,7 +74,10 @@ class CalibrationFile(msgspec.Struct, frozen=True):
 
 def parse_calibrations(text: bytes) -> KeptCalibrations:
     """The errors in a file; ValueError says what is wrong."""
-    return msgspec.json.decode(text, type=CalibrationFile).calibrations
+    try:
+        return msgspec.json.decode(text, type=CalibrationFile).calibrations
+    except RecursionError:
+        raise ValueError("nested too deep") from None
 
 
 def calibrations_text(kept: KeptCalibrations) -> bytes:
@@ -76,21 +85,27 @@ def calibrations_text(kept: KeptCalibrations) -> bytes:
     return msgspec.json.format(msgspec.json.encode(CalibrationFile(kept))) + b"\n"
 
 
-def kept_calibration(learned: SensorCalibration, unix_s: float) -> KeptCalibration:
-    """The form that is kept. unix_s: when it was learned."""
+def kept_calibration(learned: SensorCalibration, unix_s: float | None) -> KeptCalibration:
+    """The form that is kept; ValueError where it holds no numbers. unix_s: when it was learned, None if unknown."""
     return KeptCalibration(_kept(learned.accel_bias), _kept(learned.hard_iron), unix_s)
 
 
-def calibrations_of(kept: Mapping[str, KeptCalibration], system: int, unix_s: float) -> dict[str, SensorCalibration]:
+def calibrations_of(
+    kept: Mapping[str, KeptCalibration], system: int, unix_s: float | None
+) -> dict[str, SensorCalibration]:
     """The errors of this vehicle's sensors at this time of day, by inertial message."""
     own = f"{system}/"
     return {name.removeprefix(own): one.at(unix_s) for name, one in kept.items() if name.startswith(own)}
 
 
 def newest(kept: Mapping[str, KeptCalibration]) -> dict[str, KeptCalibration]:
-    """The sensors that were learned last, at most ``MAX_SENSORS`` of them."""
-    ordered = sorted(kept.items(), key=lambda item: item[1].learned_unix_s)
-    return dict(ordered[-MAX_SENSORS:])
+    """The last ``MAX_SENSORS`` sensors, in the order in which they were learned, whatever the clock said."""
+    return dict([*kept.items()][-MAX_SENSORS:])
+
+
+def with_learned(kept: Mapping[str, KeptCalibration], learned: Mapping[str, KeptCalibration]) -> KeptCalibrations:
+    """All of them, those just learned last."""
+    return newest({**{name: one for name, one in kept.items() if name not in learned}, **learned})
 
 
 def _kept(vector: UncertainVector) -> KeptVector:

@@ -221,6 +221,11 @@ class Config(_Record, frozen=True):
         """Whether anything must survive a restart."""
         return any(link.signing != "off" or link.parameters for link in self.link)
 
+    @property
+    def keeps_time(self) -> bool:
+        """Whether the time of our signatures must survive a restart."""
+        return any(link.signing != "off" for link in self.link)
+
     def with_links(self, urls: tuple[str, ...]) -> Self:
         """The same with other links, each with the default outputs, for ``--link``."""
         return msgspec.structs.replace(self, link=tuple(LinkConfig(url=url) for url in urls))

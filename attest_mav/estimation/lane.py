@@ -52,6 +52,7 @@ class Lane:
         self._vehicle: Final = vehicle
         self._stepper: Final = Stepper() if stepper is None else stepper
         self._inputs: Final = LaneInputs(vehicle)
+        self._filter = attitude_filter
         self._run: Final = FilterRun(self._calibrated(attitude_filter))
         self._run.set_vehicle_settings(vehicle.settings)
         self._timebase = TimeBase(arrivals)
@@ -117,6 +118,7 @@ class Lane:
 
     def use_filter(self, attitude_filter: AttitudeFilter) -> None:
         """Go on with other parameters of the same filter."""
+        self._filter = attitude_filter
         self._run.use_filter(self._calibrated(attitude_filter), self._vehicle.settings)
 
     def _calibrated(self, attitude_filter: AttitudeFilter) -> AttitudeFilter:
@@ -259,6 +261,8 @@ class Lane:
         else:
             text = "contradicts the accelerometer bias or hard iron of earlier flights: both count as unknown"
             self._tell(events, LaneEventKind.UNCALIBRATED, sample, text)
+            self._vehicle.refute_calibration(self.source)
+            self.use_filter(self._filter)
 
     def _judge_heading(self, run: FilterRun, state: FilterState, sample: ImuSample, events: list[Event]) -> None:
         """Keep ``run.north`` true: lost after a time without field, found when field and heading agree."""

@@ -74,6 +74,8 @@ class Vehicle:
         """The autopilot's settings as far as they are known."""
         self.calibrations: dict[str, SensorCalibration] = {}
         """Errors of its inertial sensors by earlier flights, by the name of the sensor's message."""
+        self.refuted: set[str] = set()
+        """The sensors whose errors this flight has refuted."""
         self.kind = VehicleKind.UNKNOWN
         self.vehicle_type = -1
         """MAV_TYPE, -1 before the first heartbeat."""
@@ -102,6 +104,11 @@ class Vehicle:
         self._receiver: VelocitySample | None = None
         self._estimated: dict[str, VelocitySample] = {}
         self._speed = nan
+
+    def refute_calibration(self, source: str) -> None:
+        """The errors of this sensor by earlier flights do not hold any more."""
+        self.calibrations.pop(source, None)
+        self.refuted.add(source)
 
     def take(self, sample: Sample) -> None:
         """Remember a sample that is neither inertial nor an attitude."""

@@ -1,5 +1,6 @@
 """Sensor errors of earlier flights at the start of a replay, and those of its flight in the end."""
 
+from contextlib import suppress
 from typing import TYPE_CHECKING, Final
 
 from attest_mav.logs.source import Plan, VehicleSummary
@@ -10,6 +11,8 @@ if TYPE_CHECKING:
     from attest_mav.config.calibration import KeptCalibrations
 
 DAY_S: Final = 86400.0
+FIRST_UNIX_S: Final = 1e9
+"""An earlier UNIX time (2001) is that of a clock that was not set."""
 
 
 def calibrate(flight: Flight, plan: Plan, vehicle: VehicleSummary, kept: "KeptCalibrations") -> list[str]:
@@ -38,13 +41,17 @@ def learned(flight: Flight, plan: Plan, vehicle: VehicleSummary) -> "KeptCalibra
 
     system, unix_s = plan.vehicle[0], _unix_s(vehicle)
     found = next((one for run in flight.runs if (one := run.pipeline.learned)), {})
-    return {f"{system}/{name}": kept_calibration(one, unix_s) for name, one in found.items()}
+    kept: KeptCalibrations = {}
+    for name, shown in found.items():
+        with suppress(ValueError):  # an estimate that is no number teaches nothing
+            kept[f"{system}/{name}"] = kept_calibration(shown, unix_s)
+    return kept
 
 
-def _unix_s(vehicle: VehicleSummary) -> float:
-    """The date of the flight, s since 1970; 0 where the log does not tell it."""
+def _unix_s(vehicle: VehicleSummary) -> float | None:
+    """The date of the flight, s since 1970; None where the log does not tell it."""
     date = date_of(vehicle)
-    return 0.0 if date is None else max(0.0, date.unix_s)
+    return None if date is None or date.unix_s < FIRST_UNIX_S else date.unix_s
 
 
 def _list(kept: "KeptCalibrations") -> str:

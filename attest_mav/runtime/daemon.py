@@ -117,7 +117,7 @@ class Daemon:
         if not (config.keeps_state or learns):
             return None
         path = state_path(config.state.folder, os.environ)
-        keeper = StateKeeper(self.service.persistence, path, now_ns, keeps_time=config.keeps_state)
+        keeper = StateKeeper(self.service.persistence, path, now_ns, keeps_time=config.keeps_time)
         self.loop.add(keeper)
         return keeper
 
@@ -135,8 +135,12 @@ class Daemon:
             return None
         from attest_mav.runtime.recorder.recorder import Recorder  # noqa: PLC0415  (costs nothing while it is off)
 
-        known = self.service.persistence.state.calibrations if config.state.calibration else {}
-        return Recorder(config.record, self._tape, calibrations_text(known) if known else b"")
+        return Recorder(config.record, self._tape, self._calibration_text)
+
+    def _calibration_text(self) -> bytes:
+        """The errors of the sensors with which the vehicle's filters began, as a file has them; empty for none."""
+        given = self.service.persistence.calibrations.given
+        return calibrations_text(given) if given else b""
 
     def _web_server(self, config: Config, now_ns: int) -> "WebServer | None":
         """The live page, None where it is off."""

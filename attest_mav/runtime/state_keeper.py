@@ -12,7 +12,7 @@ from typing import Final
 from attest_mav.errors import ConfigError, UnwritableError
 from attest_mav.runtime.files import DISK_FAULTS, atomic_write, reason_of
 from attest_mav.runtime.loop import Handler
-from attest_mav.service.kept_state import KeptState, Persistence, parse_state, state_text
+from attest_mav.service.kept_state import KeptState, Persistence, parse_state, parse_without_calibrations, state_text
 
 log = logging.getLogger("attest_mav.daemon")
 
@@ -135,11 +135,19 @@ def _write(path: Path, state: KeptState) -> None:
 def _read(path: Path) -> KeptState:
     """The state that was kept, or a new one; a file that holds none is told and replaced."""
     try:
-        return parse_state(path.read_bytes())
+        text = path.read_bytes()
     except FileNotFoundError:
         return KeptState()
     except OSError as error:
         raise ConfigError(f"state.folder: cannot read {path}: {reason_of(error)}") from None
-    except ValueError as error:
-        log.warning("%s holds no state (%s): beginning anew", path, error)
+    try:
+        return parse_state(text)
+    except (ValueError, RecursionError) as error:
+        complaint = str(error)
+    try:
+        state = parse_without_calibrations(text)
+    except (ValueError, RecursionError):
+        log.warning("%s holds no state (%s): beginning anew", path, complaint)
         return KeptState()
+    log.warning("%s: the calibrations make no sense (%s): beginning without them", path, complaint)
+    return state

@@ -6,6 +6,7 @@ vehicle and a counter. Everything that anyone may see of the service is in ``sna
 """
 
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from attest_mav.estimate import Estimate
@@ -234,7 +235,7 @@ class Service:
 
     def _new_attitude(self, facts: VehicleSettings, field: EarthField) -> VehicleAttitude:
         """The work on another vehicle, of which these settings and this field of the Earth are known."""
-        known = self._calibrations.of_vehicle(self._sender[0])
+        known = partial(self._calibrations.of_vehicle, self._sender[0])
         return VehicleAttitude(self._companion, self._announcements, self._tuning.settings, facts, field, known)
 
     def _retune(self) -> None:
@@ -243,7 +244,10 @@ class Service:
             self._attitude.use(self._tuning.pipeline)
 
     def _learn(self) -> None:
-        """Keep what the flight has shown of the sensors' errors."""
+        """Keep what the flight has shown of the sensors' errors, and forget what it has refuted."""
+        vehicle = self._attitude.vehicle
+        self._calibrations.drop(self._sender[0], vehicle.refuted)
+        vehicle.refuted.clear()
         if self._pipeline is not None:
             self._calibrations.take(self._sender[0], self._pipeline.learned)
 

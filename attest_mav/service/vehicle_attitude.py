@@ -4,6 +4,7 @@ There is one object a vehicle. Another vehicle, or another component of it, gets
 learned of the last one holds for it.
 """
 
+from collections.abc import Callable
 from typing import Final
 
 from attest_mav.estimate import Estimate
@@ -25,6 +26,8 @@ from attest_mav.service.verdict_teller import VerdictTeller
 from attest_mav.types import EarthField
 from attest_mav.vehicle_settings import VehicleSettings
 
+FindCalibrations = Callable[[], dict[str, SensorCalibration]]
+
 TWO_SENDERS: Final = "two vehicles with one id"
 """Why the attitude is withheld while another sender uses the vehicle's ids."""
 
@@ -33,7 +36,7 @@ class VehicleAttitude:
     """Runs the pipeline of one vehicle, and passes on what follows.
 
     facts, field: the settings of the vehicle and the field of the Earth at its place, as far as they are known.
-    calibrations: errors of its sensors by earlier flights, by inertial message.
+    find_calibrations: gives the errors of its sensors by the flights so far, by inertial message.
     """
 
     def __init__(
@@ -43,17 +46,18 @@ class VehicleAttitude:
         settings: ServiceSettings,
         facts: VehicleSettings,
         field: EarthField,
-        calibrations: dict[str, SensorCalibration],
+        find_calibrations: FindCalibrations,
     ) -> None:
         self.vehicle: Final = Vehicle(settings.pipeline.aids)
         self.vehicle.settings, self.vehicle.field = facts, field
-        self.vehicle.calibrations = calibrations
+        self.vehicle.calibrations = find_calibrations()
         self.pipeline: Pipeline | None = None
         """None before the first inertial sample that is used."""
         self.publisher: Final = Publisher(companion, announcements, settings.pipeline.max_sigma)
         self.verdicts: Final = VerdictTeller(companion, announcements, self.vehicle)
         self.aids: Final[dict[Aid, AidSnapshot]] = {}
         """The newest measurement of each aid beside the published estimates."""
+        self._find_calibrations: Final = find_calibrations
         self._companion: Final = companion
         self._settings = settings.pipeline
         self._filter = settings.attitude_filter
@@ -160,9 +164,16 @@ class VehicleAttitude:
                 self.verdicts.lane_event(event)
                 if event.kind == LaneEventKind.REBOOTED:
                     self._companion.ask_again(now_ns)
+                    self._begin_with_what_was_learned()
         if events and self.estimate is None:
             self.publisher.withdraw(self._lack(events, now_ns), now_ns)
         return is_due
+
+    def _begin_with_what_was_learned(self) -> None:
+        """The filters, which begin again, take the errors of the sensors as the flights so far have shown them."""
+        self.vehicle.calibrations = self._find_calibrations()
+        if self.pipeline is not None:
+            self.pipeline.use_filter(self._filter)
 
     def _lack(self, events: list[Event], now_ns: int) -> str:
         """Why there is no estimate after these events."""

@@ -10,6 +10,7 @@ from attest_mav.cli.main import main
 
 CUTS = Path(__file__).parent.parent / "data"
 FLOWN = CUTS / "copter_receiver_noise.tlog"
+NO_FILE = "expected a file that --save-calibration has written, or the state file of a service"
 START = CUTS / "copter_square_start.tlog"
 
 
@@ -75,6 +76,14 @@ def test_a_flight_that_shows_nothing_leaves_what_was_known(attest_mav, kept, tmp
     assert json.loads(path.read_text()) == json.loads(kept.read_text())
 
 
+def test_a_flight_that_shows_nothing_replaces_no_file(attest_mav, tmp_path):
+    path = tmp_path / "good.json"
+    path.write_text("as it was")
+    code, _, _ = attest_mav("replay", START, "--end", "8", "--json", "--save-calibration", path)
+    assert code == 0
+    assert path.read_text() == "as it was"
+
+
 def test_a_file_of_another_vehicle_is_told(attest_mav, kept, tmp_path):
     path = tmp_path / "other.json"
     path.write_text(kept.read_text().replace("1/", "7/"))
@@ -88,9 +97,14 @@ def test_a_file_of_another_vehicle_is_told(attest_mav, kept, tmp_path):
     ("content", "says"),
     [
         (None, "cannot be read: no such file or directory"),
-        (b"", "expected a file that --save-calibration has written, or the state file of a service"),
-        (b"\x93NUMPY", "expected a file that --save-calibration has written, or the state file of a service"),
+        (b"", NO_FILE),
+        (b"\x93NUMPY", NO_FILE),
         (b'{"calibrations": {}}', "holds the errors of no sensor; leave the option out"),
+        (
+            b'{"x":' + b"[" * 100_000,
+            NO_FILE,
+        ),
+        (b" " * 2_000_000, NO_FILE),
     ],
 )
 def test_a_wrong_file_is_one_line(attest_mav, tmp_path, content, says):

@@ -11,6 +11,7 @@ from attest_mav.config.calibration import (
     kept_calibration,
     newest,
     parse_calibrations,
+    with_learned,
 )
 from attest_mav.filters.calibration import SensorCalibration, UncertainVector
 
@@ -45,9 +46,33 @@ def test_a_clock_that_is_behind_makes_nothing_younger_than_new():
     assert calibrations_of({"1/RAW_IMU": kept_calibration(KNOWN, 2000.0)}, 1, 5.0)["RAW_IMU"].age_s == 0.0
 
 
-def test_the_sensors_that_were_learned_last_are_kept():
-    kept = {f"{n}/RAW_IMU": kept_calibration(KNOWN, float(n)) for n in range(1, 2 * MAX_SENSORS)}
+def test_the_sensors_that_were_learned_last_are_kept_whatever_the_clock_said():
+    kept = {f"{n}/RAW_IMU": kept_calibration(KNOWN, 1000.0 - n) for n in range(1, 2 * MAX_SENSORS)}
     assert set(newest(kept)) == {f"{n}/RAW_IMU" for n in range(MAX_SENSORS, 2 * MAX_SENSORS)}
+
+
+def test_a_sensor_that_is_learned_again_is_the_last_one():
+    kept = {f"{n}/RAW_IMU": kept_calibration(KNOWN, 0.0) for n in range(1, MAX_SENSORS + 1)}
+    again = with_learned(kept, {"1/RAW_IMU": kept_calibration(KNOWN, 0.0)})
+    assert [*again][-1] == "1/RAW_IMU"
+    assert with_learned(again, {"99/RAW_IMU": again["1/RAW_IMU"]}).keys() == {
+        *(f"{n}/RAW_IMU" for n in range(3, MAX_SENSORS + 1)),
+        "1/RAW_IMU",
+        "99/RAW_IMU",
+    }
+
+
+@pytest.mark.parametrize("name", ["RAW_IMU", "IMU2", "sensor_combined", "vehicle_imu_1"])
+def test_the_streams_of_every_kind_of_log_can_be_kept(name):
+    text = calibrations_text({f"255/{name}": kept_calibration(KNOWN, None)})
+    found = calibrations_of(parse_calibrations(text), 255, 1e9)
+    assert found[name].age_s == 0.0, "nobody knew the time"
+
+
+@pytest.mark.parametrize("mean", [(float("nan"), 0.0, 0.0), (0.0, float("inf"), 0.0), (0.0, 0.0, 1e3)])
+def test_an_estimate_that_is_no_number_is_not_kept(mean):
+    with pytest.raises(ValueError, match="expected numbers up to 100"):
+        kept_calibration(SensorCalibration(UncertainVector(mean, BIAS.covariance), IRON), 0.0)
 
 
 def test_a_state_file_of_a_service_is_such_a_file():
@@ -70,6 +95,8 @@ def test_a_state_file_of_a_service_is_such_a_file():
         text_of(hard_iron={"mean": [0, 0, 0], "covariance": [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]]}),
         text_of(hard_iron={"mean": [0, 0, 0], "covariance": [[1, 2, 0], [2, 1, 0], [0, 0, 1]]}),
         text_of().replace(b"RAW_IMU", b"../RAW"),
+        text_of().replace(b"1/RAW_IMU", b"01/RAW_IMU"),
+        b'{"x":' + b"[" * 100_000,
     ],
 )
 def test_a_file_that_makes_no_sense_is_refused(text):

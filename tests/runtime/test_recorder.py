@@ -92,7 +92,7 @@ def test_the_oldest_files_make_room_and_others_are_left_alone(tmp_path):
 
 def test_the_calibration_of_a_recording_comes_and_goes_with_it(tmp_path):
     text = b'{"calibrations": {}}\n'
-    fd, path = RecordFolder(tmp_path, 10, 0, text).open_next()
+    fd, path = RecordFolder(tmp_path, 10, 0).open_next(text)
     os.close(fd)
     companion = path.with_suffix(".calibration.json")
     assert companion.read_bytes() == text

@@ -152,3 +152,25 @@ def test_without_signatures_the_file_is_written_when_something_is_learned(tmp_pa
         keeper.due(keeper.next_deadline_ns)
         keeper.settle()
     assert json.loads(path.read_text())["calibrations"].keys() == {"1/RAW_IMU"}
+
+
+def test_calibrations_that_make_no_sense_cost_nothing_else(tmp_path, service, caplog):
+    path = tmp_path / "state.json"
+    path.write_text(json.dumps({"signing_timestamp": FAR, "calibrations": {"1/RAW_IMU": {"accel_bias": None}}}))
+    StateKeeper(service.persistence, path, 0)
+    assert kept(path) > FAR
+    assert [one for one in caplog.messages if "the calibrations make no sense" in one]
+
+
+def test_what_stays_the_same_is_not_written_again(tmp_path, service):
+    path = tmp_path / "state.json"
+    keeper = StateKeeper(service.persistence, path, 0, keeps_time=False)
+    vector = UncertainVector((0.01, 0.0, 0.0), ((0.01, 0.0, 0.0), (0.0, 0.01, 0.0), (0.0, 0.0, 0.01)))
+    nearly = UncertainVector((0.015, 0.0, 0.0), ((0.0104, 0.0, 0.0), (0.0, 0.01, 0.0), (0.0, 0.0, 0.01)))
+    for shown in (vector, nearly):
+        service.persistence.calibrations.take(1, {"RAW_IMU": SensorCalibration(shown, vector)})
+        for _ in range(8):
+            keeper.due(keeper.next_deadline_ns)
+            keeper.settle()
+        assert json.loads(path.read_text())["calibrations"]["1/RAW_IMU"]["accel_bias"]["mean"][0] == 0.01
+        path.write_text(path.read_text())

@@ -54,3 +54,51 @@ def test_two_calibrations_that_explain_the_difference_hold(errors):
     flight = stands(biased(*errors), {FIRST: KNOWN, SECOND: KNOWN})
     assert kinds(flight, LaneEventKind.CALIBRATED) == {FIRST, SECOND}
     assert kinds(flight, LaneEventKind.UNCALIBRATED) == set()
+
+
+@pytest.mark.parametrize("size", [1.0, 1.75, 3.0])
+def test_a_stale_calibration_is_no_fault_of_the_sensor(size):
+    """Up to 0.6 m/s^2 an axis: beyond what two sensors in good order may differ by, had the calibration been right."""
+    wrong = SensorCalibration(UncertainVector(scale(BIAS, size), diagonal(1e-4)), UncertainVector(ZERO, diagonal(1e-6)))
+    flight = stands(biased(0.0, 0.0), {FIRST: wrong, SECOND: KNOWN})
+    assert kinds(flight, LaneEventKind.UNCALIBRATED) == {FIRST, SECOND}
+    assert kinds(flight, LaneEventKind.FAULTY) == set()
+    worst, _ = max(flight.normalised(from_s=8.0))
+    assert worst < 1.0
+
+
+def test_a_refuted_calibration_does_not_come_back_with_a_reboot():
+    flight = fly(
+        45.0,
+        "velocity-aided",
+        ["reboot@20"],
+        scenario="still",
+        heard=biased(0.0, 1.0),
+        others=(SECOND,),
+        calibrations={FIRST: KNOWN, SECOND: KNOWN},
+        fast_rate_hz=25.0,
+    )
+    assert kinds(flight, LaneEventKind.REBOOTED)
+    begun = [event for event in flight.lane_events if event.kind == LaneEventKind.CALIBRATED]
+    assert len(begun) == 2, "before the reboot"
+
+
+def test_a_sensor_that_returns_has_learned_nothing_from_the_other_and_contradicts_nothing():
+    learned = {}
+
+    def look(pipeline, now_ns):
+        if now_ns > 25e9:
+            learned.update(pipeline.learned)
+
+    flight = fly(
+        26.0,
+        "velocity-aided",
+        ["gyro1-bias-x=5@8+5"],
+        scenario="still",
+        others=(SECOND,),
+        calibrations={FIRST: KNOWN, SECOND: KNOWN},
+        meddle=look,
+    )
+    assert kinds(flight, LaneEventKind.RETURNED) == {FIRST}
+    assert kinds(flight, LaneEventKind.UNCALIBRATED) == set()
+    assert learned == {}

@@ -4,6 +4,7 @@ import pytest
 
 from attest_mav.config.parsing import parse_config
 from attest_mav.service.kept_state import KeptState, parse_state, state_text
+from attest_mav.sim.fault_text import parse_faults
 from attest_mav.sim.settings import SimSettings
 
 from .conftest import Flight
@@ -20,13 +21,21 @@ def said(flight, text):
 
 
 @pytest.fixture(scope="module")
-def kept(dialect):
-    """The state after the first flight."""
-    first = Flight(dialect, parse_config(LINK, "test"), SQUARE)
+def flown(dialect):
+    """The first flight of 45 s; then the autopilot reboots."""
+    first = Flight(
+        dialect, parse_config(LINK, "test"), SimSettings(scenario="square", faults=parse_faults(["reboot@46"]))
+    )
     first.service.persistence.restore(KeptState(), NOW_NS, 0)
     first.run_until(45.0)
     assert not said(first, BEGINS)
-    return parse_state(state_text(first.service.persistence.state))
+    return first
+
+
+@pytest.fixture(scope="module")
+def kept(flown):
+    """The state after the first flight."""
+    return parse_state(state_text(flown.service.persistence.state))
 
 
 def test_the_next_start_begins_with_what_the_last_flight_has_shown(flight, kept):
@@ -54,3 +63,9 @@ def test_another_vehicle_begins_without_them(flight, kept):
     second.run_until(15.0)
     assert second.snapshot().published_lane is not None
     assert not said(second, BEGINS)
+
+
+def test_a_vehicle_that_reboots_begins_with_what_it_has_shown_before(flown, kept):
+    assert kept.calibrations
+    flown.run_until(60.0)
+    assert said(flown, BEGINS) == [f"RAW_IMU: {BEGINS}", f"SCALED_IMU2: {BEGINS}"]

@@ -12,7 +12,6 @@ from attest_mav.estimation.field_evidence import FieldReading
 from attest_mav.filters.base import FilterState
 from attest_mav.filters.velocity_aided.aids.field import levelled_field
 from attest_mav.filters.velocity_aided.aids.gnss_velocity import fuse_velocity
-from attest_mav.filters.velocity_aided.calibration import without
 from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock, decoupled
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, body_rate
@@ -174,15 +173,6 @@ def with_accel_bias_variance(one: VelocityAided, state: FilterState, variance: f
     tilt = variance / one.parameters.gravity**2
     nav = navigation.estimate.with_added_variance(ErrorBlock.ACCEL_BIAS, (variance, variance, variance))
     return _with_estimate(one, state, nav.with_added_variance(ErrorBlock.ATTITUDE, (tilt, tilt, 0.0)))
-
-
-def without_calibration(one: VelocityAided, state: FilterState) -> FilterState:
-    """The state as uncertain as if no earlier flight had told of the sensor."""
-    navigation = navigation_of(state)
-    if navigation is None:
-        return state
-    forgotten = without(navigation.estimate, one.parameters)
-    return one.with_estimate(cast("VelocityAidedState", state), forgotten, is_same_sensor=False)
 
 
 def on_another_sensor(

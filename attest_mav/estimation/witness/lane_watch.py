@@ -69,6 +69,8 @@ class LaneWatch(Stepper):
         """The same with the sensor's noise."""
         self.noise: SensorNoise | None = None
         """The sensor's noise, None while the filter takes its own."""
+        self.distrusts_calibration = False
+        """Whether the difference to another sensor has refuted what earlier flights have shown of this one."""
         self.noise_ns = -1
         """Time of the sample at which it was last looked at."""
         self._noise_in_use: SensorNoise | None = None
@@ -101,8 +103,13 @@ class LaneWatch(Stepper):
         self._adopted = state
         self.fixes.forget_misfit()
 
+    def begin_uncalibrated(self) -> None:
+        """Begin anew without the sensor errors of earlier flights."""
+        self.distrusts_calibration, self.filter = True, None
+        self.begin_again()
+
     def begin_again(self) -> None:
-        """Forget the attitude that was kept while the sensor stood aside."""
+        """Forget the attitude that was kept while the sensor stood aside, or that rests on wrong errors."""
         self.proving = ProvingFixes()
         newest, configured = self.moments.newest, self.configured
         if newest is not None and configured is not None:
@@ -177,6 +184,7 @@ class LaneWatch(Stepper):
         if known is None or one is not self.configured or self.noise is not self._noise_in_use:
             self.configured, self._noise_in_use = one, self.noise
             known = one if self.noise is None else self.noise.of(one)
+            known = known.with_calibration(None) if self.distrusts_calibration else known
             self.filter = known
         return known
 

@@ -111,6 +111,8 @@ class Witness:
         elif lane.standing == Standing.GOOD and not lane.is_navigating:
             lane.standing = Standing.NEW
             self._end_disputes(lane)
+            for pair in self._pairs:
+                pair.has_scale = pair.has_scale and not pair.has(lane)
             self._receiver.abandon(lane)
         if lane.standing == Standing.GOOD and lane.dead.reason and self._another(lane) is not None:
             self._set_aside(lane, moment, lane.dead.reason, events)
@@ -140,9 +142,9 @@ class Witness:
             standings = (pair.first.standing, pair.second.standing)
             if standings == (Standing.GOOD, Standing.GOOD):
                 if paired:
+                    follow_scale(pair)
                     self._dispute(pair, moment, events)
                     self._follow_noise(pair)
-                    follow_scale(pair)
                 self._find_guilt(pair, moment, events)
             elif paired and Standing.ASIDE in standings and Standing.GOOD in standings:
                 aside = pair.first if pair.first.standing == Standing.ASIDE else pair.second

@@ -45,6 +45,11 @@ def learned(
     before = (unknown(parameters) if begun_with is None else begun_with).accel_bias.covariance
     if not all(nav.covariance.aa[axis][axis] < LEARNED * before[axis][axis] for axis in range(3)):
         return None
+    return known_by(nav)
+
+
+def known_by(nav: NavigationState) -> SensorCalibration:
+    """The lasting errors as this state has them, shown or not."""
     return SensorCalibration(
         UncertainVector(nav.accel_bias, symmetric(nav.covariance.aa)),
         UncertainVector(nav.hard_iron, symmetric(nav.covariance.mm)),

@@ -103,8 +103,8 @@ class VelocityAided(AttitudeFilter):
         )
         return replace(self, parameters=informed)
 
-    def with_calibration(self, known: SensorCalibration) -> "VelocityAided":
-        """The filter that begins with these errors of its sensor."""
+    def with_calibration(self, known: SensorCalibration | None) -> "VelocityAided":
+        """The filter that begins with these errors of its sensor, with None those of any sensor."""
         return replace(self, calibration=known)
 
     def learned(self, state: FilterState) -> SensorCalibration | None:

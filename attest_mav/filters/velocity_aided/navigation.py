@@ -13,7 +13,7 @@ from attest_mav.filters.velocity_aided.aids.gnss_velocity import GnssVelocity
 from attest_mav.filters.velocity_aided.aids.iron import IronFit
 from attest_mav.filters.velocity_aided.aids.magnetometer import Magnetometer
 from attest_mav.filters.velocity_aided.aids.zero_motion import Stationary
-from attest_mav.filters.velocity_aided.calibration import is_refuted, without
+from attest_mav.filters.velocity_aided.calibration import is_refuted, known_by, without
 from attest_mav.filters.velocity_aided.imu_memory import ImuMemory
 from attest_mav.filters.velocity_aided.measurement import Measurement
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, cross_covariance_of, update
@@ -105,8 +105,13 @@ class Navigation(Record):
         return records if magnetometer is None else (*records, magnetometer)
 
     def with_estimate(self, estimate: NavigationState, is_same_sensor: bool = True) -> "Navigation":
-        """The same memories with another estimate, as a hypothesis about the past needs it, or another sensor."""
-        begun_with = self.begun_with if is_same_sensor else None
+        """The same memories with another estimate, as a hypothesis about the past needs it, or another sensor.
+
+        Another sensor begins with the errors that this estimate gives it: it has not shown them itself.
+        """
+        begun_with = self.begun_with
+        if begun_with is not None and not is_same_sensor:
+            begun_with = known_by(estimate)
         return self._with(estimate, self.imu.with_attitude(estimate), self.declination, begun_with)
 
     def with_declination(self, declination: float, parameters: FlightParameters) -> "Navigation":
@@ -122,6 +127,10 @@ class Navigation(Record):
         begun_with, fix_is_new = self.begun_with, self.gnss.since_fused_s == 0.0
         if begun_with is None or not (fix_is_new and is_refuted(self.estimate, begun_with)):
             return self
+        return self.without_calibration(parameters)
+
+    def without_calibration(self, parameters: FlightParameters) -> "Navigation":
+        """The navigation as uncertain as if no earlier flight had told of the sensor."""
         estimate = without(self.estimate, parameters)
         return self._with(estimate, self.imu.with_attitude(estimate), self.declination, None)
 

@@ -22,16 +22,12 @@ class Recording(NamedTuple):
 
 
 class RecordFolder:
-    """Numbered recordings; other files of the folder are left alone. ``make`` comes first.
+    """Numbered recordings; other files of the folder are left alone. ``make`` comes first."""
 
-    calibration: text that a replay needs beside each of them, in a file of its own; empty for none.
-    """
-
-    def __init__(self, path: Path, total_bytes: int, reserve_bytes: int, calibration: bytes = b"") -> None:
+    def __init__(self, path: Path, total_bytes: int, reserve_bytes: int) -> None:
         self._path: Final = path
         self._total_bytes: Final = total_bytes
         self._reserve_bytes: Final = reserve_bytes
-        self._calibration: Final = calibration
 
     def make(self) -> None:
         """Make the folder where there is none; OSError where nothing can be written into it."""
@@ -51,14 +47,20 @@ class RecordFolder:
                     found.append(Recording(int(match[1]), Path(entry.path), entry.stat().st_size))
         return sorted(found)
 
-    def open_next(self) -> tuple[int, Path]:
-        """The descriptor and the path of a new file."""
+    def open_next(self, calibration: bytes = b"") -> tuple[int, Path]:
+        """The descriptor and the path of a new file. calibration: text of the file beside it; empty for none."""
         number = max((one.number for one in self.recordings()), default=0) + 1
         path = self._path / f"attest-mav-{number:05d}-{time.strftime('%Y%m%dT%H%M%SZ', time.gmtime())}.tlog"
-        if self._calibration:
-            with open(_create(beside(path)), "wb") as file:
-                file.write(self._calibration)
-        return _create(path), path
+        descriptor = _create(path)
+        if calibration:
+            try:
+                with open(_create(beside(path)), "wb") as file:
+                    file.write(calibration)
+            except OSError:
+                os.close(descriptor)
+                self._delete(path)
+                raise
+        return descriptor, path
 
     def has_room(self, current: Path | None) -> bool:
         """Delete the oldest files while limits are exceeded, never the current one; whether that was enough."""
@@ -68,11 +70,14 @@ class RecordFolder:
             if total <= self._total_bytes and self._free_bytes() >= self._reserve_bytes:
                 return True
             if one.path != current:
-                for path in (one.path, beside(one.path)):
-                    with suppress(FileNotFoundError):
-                        path.unlink()
+                self._delete(one.path)
                 total -= one.size
         return total <= self._total_bytes and self._free_bytes() >= self._reserve_bytes
+
+    def _delete(self, recording: Path) -> None:
+        for path in (recording, beside(recording)):
+            with suppress(FileNotFoundError):
+                path.unlink()
 
     def _free_bytes(self) -> int:
         state = os.statvfs(self._path)

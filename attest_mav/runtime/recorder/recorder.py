@@ -1,5 +1,6 @@
 """Recordings of a service: what it heard and said, in files that end by size, age and arming."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
@@ -17,18 +18,20 @@ MEGABYTE: Final = 1_000_000
 class Recorder:
     """Passes a tape on to the disk. ConfigError where the folder cannot be had, unless that is the disk's fault.
 
-    calibration: text of the sensors' errors that the flight begins with, which a replay needs too; empty for none.
+    calibration: gives the text of the sensors' errors that the flight began with, which a replay needs too; empty for
+    none.
     """
 
-    def __init__(self, config: RecordConfig, tape: Tape, calibration: bytes = b"") -> None:
+    def __init__(self, config: RecordConfig, tape: Tape, calibration: Callable[[], bytes] = bytes) -> None:
         total, reserve = int(config.total_mb * MEGABYTE), int(config.reserve_mb * MEGABYTE)
-        folder = RecordFolder(Path(config.folder), total, reserve, calibration)
+        folder = RecordFolder(Path(config.folder), total, reserve)
         try:
             folder.make()
         except OSError as error:
             if error.errno not in DISK_FAULTS:
                 raise ConfigError(f"record.folder: cannot write into {config.folder}: {reason_of(error)}") from None
         self._tape: Final = tape
+        self._calibration: Final = calibration
         self._writer: Final = Writer(folder)
         self._file_bytes: Final = int(config.file_mb * MEGABYTE)
         self._file_ns: Final = int(config.file_s * 1e9)
@@ -43,7 +46,9 @@ class Recorder:
             return
         is_changed = is_armed is not None and self._is_armed is not None and is_armed != self._is_armed
         begins = is_changed or self._in_file >= self._file_bytes or now_ns >= self._ends_ns
-        part = Part(data, frames, self._tape.opening(now_ns) if begins else None)
+        part = Part(data, frames, None)
+        if begins:
+            part = Part(data, frames, self._tape.opening(now_ns), self._calibration())
         if not self._writer.put(part):
             return
         self._is_armed = self._is_armed if is_armed is None else is_armed

@@ -29,11 +29,16 @@ FAREWELL_S: Final = 3.0
 
 
 class Part(NamedTuple):
-    """Records on their way to the disk. ``opening``: what a new file begins with; None goes on with the present one."""
+    """Records on their way to the disk.
+
+    opening: what a new file begins with; None goes on with the present one. calibration: text of the file beside a new
+    one, empty for none.
+    """
 
     data: bytes
     frames: int
     opening: bytes | None
+    calibration: bytes = b""
 
 
 class Writer:
@@ -51,7 +56,7 @@ class Writer:
         self._folder: Final = folder
         self._queue: Final[queue.Queue[Part | None]] = queue.Queue(QUEUED_PARTS)
         self._fd: int | None = None
-        self._opening = b""
+        self._opening = self._calibration = b""
         self._sync_s = 0.0
         self._retry_s = 0.0
         self._thread: Final = threading.Thread(target=self._work, name="record", daemon=True)
@@ -90,7 +95,7 @@ class Writer:
     def _take(self, part: Part) -> None:
         now_s = time.monotonic()
         if part.opening is not None:
-            self._opening = part.opening
+            self._opening, self._calibration = part.opening, part.calibration
             self._close()
         if now_s < self._retry_s:
             self.lost_frames += part.frames
@@ -106,7 +111,7 @@ class Writer:
         if not part.data:
             return
         if self._fd is None:
-            self._fd, self.path = self._folder.open_next()
+            self._fd, self.path = self._folder.open_next(self._calibration)
             self._write(self._opening)
         self._write(part.data)
         if self.complaint:
