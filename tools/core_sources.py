@@ -54,6 +54,13 @@ UNITS = {
         "filters___registry.",
         "filters___own.",
         "filters___parameter_check.",
+        "filters___calibration.",
+        "filters___velocity_aided___calibration.",
+        "filters___velocity_aided___parameters.",
+        "filters___velocity_aided___aids___airspeed.",
+        "filters___velocity_aided___aids___gravity.",
+        "filters___velocity_aided___aids___iron.",
+        "filters___velocity_aided___aids___zero_mean_velocity.",
     ),
     "records": ("vehicle_", "types.", "samples.", "estimate."),
 }
