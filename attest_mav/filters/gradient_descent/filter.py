@@ -116,8 +116,8 @@ class GradientDescent(AttitudeFilter):
         down = down_in_body(q)
         f_g = sub(down, scale(sample.accel, -1.0 / accel_norm))  # (18)
         distance = share * self.beta * min(dt_s, MAX_CORRECTION_DT_S)
-        mag = none if sample.mag is None else sample.mag
-        if not is_field(mag):
+        mag = sample.field
+        if not (sample.has_field and is_field(mag)):
             q = descended(turned, gravity_gradient(q, f_g), distance)
             return GradientDescentState(q, bias, True, False, f_g, none, sample)
         direction = scale(mag, 1.0 / norm(mag))

@@ -234,9 +234,9 @@ class Leveling(AttitudeFilter):
         if heading is not None and is_heading(heading):
             return NorthVector(north_from_heading(heading, down, north), self.r_heading, True, Fusion.USED)
         variance = before.variance + self.heading_noise * dt_s
-        error = heading_error(north, down, sample.mag) if sample.mag is not None else nan
+        error = heading_error(north, down, sample.field) if sample.has_field else nan
         if isnan(error):
-            return before.turned(north, min(variance, pi * pi), None if sample.mag is None else Fusion.IMPLAUSIBLE)
+            return before.turned(north, min(variance, pi * pi), Fusion.IMPLAUSIBLE if sample.has_field else None)
         innovation_variance = variance + self.r_heading
         gain = min(dt_s, MAX_CORRECTION_DT_S) / self.heading_time_s if before.known else 1.0
         variance = (1.0 - gain) * (1.0 - gain) * variance + gain * gain * self.r_heading
