@@ -3,35 +3,15 @@
 import csv
 import json
 import subprocess
-import sys
 from pathlib import Path
 from random import Random
 
 import pytest
 
-from attest_mav.cli.main import main
-
 CUTS = Path(__file__).parent.parent / "data"
 LAPS = CUTS / "copter_square_laps.tlog"
 START = CUTS / "copter_square_start.tlog"
 ON_BRIEF_LOGS = ("--skip", "2")
-
-
-@pytest.fixture
-def attest_mav(monkeypatch, capsys):
-    """Runs a command in this process; (exit code, standard output, standard error)."""
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["attest-mav", *map(str, arguments)])
-        try:
-            main()
-            code = 0
-        except SystemExit as end:
-            code = end.code
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return run
 
 
 @pytest.fixture

@@ -1,34 +1,14 @@
 """``attest-mav replay`` with sensor errors of earlier flights: from a file, and into one."""
 
 import json
-import sys
 from pathlib import Path
 
 import pytest
-
-from attest_mav.cli.main import main
 
 CUTS = Path(__file__).parent.parent / "data"
 FLOWN = CUTS / "copter_receiver_noise.tlog"
 NO_FILE = "expected a file that --save-calibration has written, or the state file of a service"
 START = CUTS / "copter_square_start.tlog"
-
-
-@pytest.fixture
-def attest_mav(monkeypatch, capsys):
-    """Runs a command in this process; (exit code, standard output, standard error)."""
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["attest-mav", *map(str, arguments)])
-        try:
-            main()
-            code = 0
-        except SystemExit as end:
-            code = end.code
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return run
 
 
 @pytest.fixture
