@@ -29,6 +29,7 @@ from attest_mav.replay.request import Window
 from attest_mav.replay.smoothed import FlightToSmooth
 from attest_mav.samples import Sample
 from attest_mav.smoothing.log import smoothed_flight
+from attest_mav.smoothing.tables import Scratch
 from attest_mav.types import EarthField
 
 LIVE: Final = VelocityAided().name
@@ -189,7 +190,7 @@ def _flown(
     log = ErrorLog()
     if as_reference:
         plan = replace(plan, reference=SMOOTHED)
-    flight = Flight(plan, [one], earth, Window(), sink=log, smoothed=smoothed_flight(to_smooth))
+    flight = Flight(plan, [one], earth, Window(), sink=log, smoothed=smoothed_flight(to_smooth, Scratch()))
     flight.runs[0].pipeline.vehicle.calibrations = calibrations or {}
     for sample in samples:
         flight.take(sample)

@@ -8,8 +8,10 @@ from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.library.readings import Array, Readings, nanoseconds
 from attest_mav.library.running import sequence_of, stretches
 from attest_mav.library.solution import Innovations, Solution, continuous, in_frames
+from attest_mav.runtime.scratch import ScratchFile
 from attest_mav.smoothing.noise import with_wide_priors
-from attest_mav.smoothing.readings import Recorder
+from attest_mav.smoothing.recorder import Recorder
+from attest_mav.smoothing.tables import Scratch
 from attest_mav.smoothing.trajectory import Trajectory, smoothed_trajectory
 
 
@@ -23,14 +25,16 @@ def smooth_readings(readings: Readings, parameters: FlightParameters | None = No
     ValueError) where the readings show no attitude to begin with.
     """
     chosen = with_wide_priors(FlightParameters()) if parameters is None else parameters
-    recorder = Recorder(chosen)
-    for _ in stretches(sequence_of(recorder, readings), readings, Columns):
-        pass
-    recorded = recorder.recording()
-    if recorded is None:
-        raise ArgumentError("the readings show no attitude to begin with; expected some seconds of plausible ones")
-    trajectory = smoothed_trajectory(recorded, chosen)
-    return _solution(readings, trajectory, recorded.gyro - trajectory.rates)
+    with Scratch(ScratchFile) as scratch:
+        recorder = Recorder(chosen, scratch)
+        for _ in stretches(sequence_of(recorder, readings), readings, Columns):
+            pass
+        recording = recorder.recording()
+        if recording is None:
+            raise ArgumentError("the readings show no attitude to begin with; expected some seconds of plausible ones")
+        trajectory = smoothed_trajectory(recording, chosen)
+        gyro = recording.rows(0, len(recording.readings)).gyro
+    return _solution(readings, trajectory, gyro - trajectory.rates)
 
 
 def _solution(readings: Readings, trajectory: Trajectory, biases: Array) -> Solution:

@@ -5,6 +5,7 @@ is needed. Every filter gets a pipeline of its own, so that filters run together
 Nothing grows with the log but the columns of errors and of intervals.
 """
 
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from typing import Final
 
@@ -25,7 +26,7 @@ from attest_mav.logs.source import (
 from attest_mav.record import Record
 from attest_mav.replay.calibrating import calibrate, learned
 from attest_mav.replay.flight import Flight
-from attest_mav.replay.north import north_of
+from attest_mav.replay.north import LocalNorth, north_of
 from attest_mav.replay.notes import all_notes, choice_notes
 from attest_mav.replay.plan import make_plan, suitable_filter
 from attest_mav.replay.request import Outputs, Request
@@ -77,10 +78,26 @@ def replay(source: LogSource, request: Request, outputs: Outputs) -> Replay:
     plan = make_plan(summary, request.imu, request.reference, request.vehicle, smooths=request.smooth is not None)
     vehicle = summary.vehicles[plan.vehicle]
     north = north_of(vehicle, request.declination_deg)
+    with _smoothed(source, plan, vehicle, north.direction, request) as smoothed:
+        if smoothed is None and request.reference == SMOOTHED:
+            raise UnreadableDataError(f"{plan.imu} shows no attitude that the smoother could begin with")
+        if smoothed is None and plan.reference == SMOOTHED:
+            plan = make_plan(summary, request.imu, request.reference, request.vehicle)
+        return _replayed(source, request, outputs, summary, plan, north, smoothed)
+
+
+def _replayed(
+    source: LogSource,
+    request: Request,
+    outputs: Outputs,
+    summary: LogSummary,
+    plan: Plan,
+    north: LocalNorth,
+    smoothed: SmoothedFlight | None,
+) -> Replay:
+    """The second pass and its result."""
+    vehicle = summary.vehicles[plan.vehicle]
     filters = request.filters or (suitable_filter(),)
-    smoothed = _smoothed(source, plan, vehicle, north.direction, request)
-    if plan.reference == SMOOTHED and smoothed is None:
-        plan = make_plan(summary, request.imu, request.reference, request.vehicle)
     flight = Flight(
         plan,
         filters if request.as_it_came else [one.with_vehicle_settings(vehicle.settings) for one in filters],
@@ -110,12 +127,12 @@ def replay(source: LogSource, request: Request, outputs: Outputs) -> Replay:
 
 def _smoothed(
     source: LogSource, plan: Plan, vehicle: VehicleSummary, field: EarthField, request: Request
-) -> SmoothedFlight | None:
+) -> AbstractContextManager[SmoothedFlight | None]:
     """The smoothed attitude, if it is the reference or wanted beside it."""
     smooth, window = request.smooth, request.window
     is_reference = plan.reference == SMOOTHED
     if smooth is None or not (is_reference or request.smooths_beside_truth):
-        return None
+        return nullcontext()
     ours = [one for one in request.filters if isinstance(one, VelocityAided)]
     one = (ours[0] if ours else VelocityAided()).with_vehicle_settings(vehicle.settings)
     flight = FlightToSmooth(
@@ -128,10 +145,7 @@ def _smoothed(
         window.start_s,
         window.end_s,
     )
-    smoothed = smooth(flight)
-    if smoothed is None and request.reference == SMOOTHED:
-        raise UnreadableDataError(f"{plan.imu} shows no attitude that the smoother could begin with")
-    return smoothed
+    return smooth(flight)
 
 
 def record(

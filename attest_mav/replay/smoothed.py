@@ -1,4 +1,4 @@
-"""The smoothed attitude of a flight as a replay takes it: one for each inertial sample, made before the filters run.
+"""The smoothed attitude of a flight as a replay takes it: one for each inertial sample, a part of the flight at a time.
 
 The smoother itself stands above the replay, because it needs numpy, which the compiled core does without; a request
 brings it along.
@@ -6,6 +6,7 @@ brings it along.
 
 from array import array
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager
 from math import inf, radians
 from typing import Final
 
@@ -45,27 +46,46 @@ class SmoothedAttitude:
         return self.tilt_sigma <= LARGEST_TILT and self.heading_sigma <= LARGEST_HEADING
 
 
-class SmoothedFlight:
-    """All of them, in the order of the inertial samples; 80 bytes a sample. noise: name of the class of noise."""
+class SmoothedAttitudes:
+    """Those at consecutive inertial samples; 80 bytes a sample."""
 
-    def __init__(self, t_ns: "array[int]", rows: "array[float]", north: North, noise: str) -> None:
+    def __init__(self, t_ns: "array[int]", rows: "array[float]") -> None:
+        self.t_ns: Final = t_ns
+        """Sensor clock, ns."""
+        self.rows: Final = rows
+        """Attitude, rates and both sigmas of each sample."""
+
+
+class SmoothedFlight:
+    """All of them, in the order of the inertial samples. noise: name of the class of noise.
+
+    read: gives them anew from the beginning, a part of the flight at a time.
+    """
+
+    def __init__(self, read: Callable[[], Iterator[SmoothedAttitudes]], north: North, noise: str) -> None:
         self.north: Final = north
         self.noise: Final = noise
-        self._t_ns: Final = t_ns
-        self._rows: Final = rows
-        self._next = 0
+        self._read: Final = read
+        self.begin()
 
     def begin(self) -> None:
         """The flight begins anew."""
+        self._parts = self._read()
+        self._part = SmoothedAttitudes(array("q"), array("d"))
         self._next = 0
 
     def at(self, t_ns: int) -> SmoothedAttitude | None:
         """The attitude at the next inertial sample, whose stamp is this (ns); None where that sample was not used."""
-        if self._next >= len(self._t_ns) or self._t_ns[self._next] != t_ns:
+        if self._next >= len(self._part.t_ns):
+            part = next(self._parts, None)
+            if part is None:
+                return None
+            self._part, self._next = part, 0
+        if self._part.t_ns[self._next] != t_ns:
             return None
         place = COLUMNS * self._next
         self._next += 1
-        q_w, q_x, q_y, q_z, p, q, r, tilt_sigma, heading_sigma = self._rows[place : place + COLUMNS]
+        q_w, q_x, q_y, q_z, p, q, r, tilt_sigma, heading_sigma = self._part.rows[place : place + COLUMNS]
         return SmoothedAttitude((q_w, q_x, q_y, q_z), (p, q, r), tilt_sigma, heading_sigma)
 
 
@@ -104,5 +124,5 @@ class FlightToSmooth:
         """The part that is read, s of log time."""
 
 
-Smooth = Callable[[FlightToSmooth], SmoothedFlight | None]
-"""Smooths a flight; None where no attitude can be found to begin with."""
+Smooth = Callable[[FlightToSmooth], AbstractContextManager[SmoothedFlight | None]]
+"""Smooths a flight, and keeps it while the context lasts; None where no attitude can be found to begin with."""

@@ -6,26 +6,36 @@ Bayesian Filtering and Smoothing, chapter 8.)
 """
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
 from attest_mav.smoothing.forward import Block
-from attest_mav.smoothing.model import T
+from attest_mav.smoothing.model import SIZE, T
 from attest_mav.smoothing.rotations import Array, matrices_of_vectors, vectors_of_matrices
+from attest_mav.smoothing.tables import Rows
+
+NODE: Final = np.dtype([("attitude", "<f8", (3, 3)), ("x", "<f8", SIZE), ("spread", "<f8", SIZE)])
+"""A row of a smoothed state."""
+GAINS: Final = 256
+"""Gains that are computed at a time."""
 
 
 @dataclass
 class Smoothed:
-    """The smoothed state at each node."""
+    """The smoothed states at consecutive nodes."""
 
     attitude: Array
     """Body to NED, a matrix."""
     x: Array
     """The 21 components; those of the attitude are zero."""
-    p: Array
-    """Covariance of the attitude, 3 by 3, rad^2."""
     spread: Array
     """Variances of all 21 errors."""
+
+
+def smoothed_of(rows: Rows) -> Smoothed:
+    """The columns of a table of smoothed states."""
+    return Smoothed(rows["attitude"], rows["x"], rows["spread"])
 
 
 @dataclass
@@ -37,32 +47,34 @@ class Last:
     p: Array
 
 
-def smooth_block(block: Block, chosen: int, last: Last | None, out: Smoothed, first: int) -> Last:
-    """Smooth the nodes of a block, from its end to its beginning, into ``out`` from row ``first`` on.
+def smooth_block(block: Block, chosen: int, last: Last | None) -> tuple[Rows, Last]:
+    """Smooth the nodes of a block, from its end to its beginning: their rows, and the state of the first one.
 
-    last: the smoothed state of the block's last node, if there are nodes behind it; that node is then left as it is.
+    last: the smoothed state of the block's last node, if there are nodes behind it; that node then has no row.
     """
     nodes = len(block.attitude)
-    at = nodes - 1
+    rows = np.empty(nodes if last is None else nodes - 1, NODE)
     if last is None:
-        last = Last(block.attitude[at, chosen], block.x[at, chosen], block.p[at, chosen])
-        _store(out, first + at, last)
-    gains = _gains(block, chosen)
-    for row in range(nodes - 2, -1, -1):
-        last = _stepped_back(block, chosen, row, gains[row], last)
-        _store(out, first + row, last)
-    return last
+        last = Last(block.attitude[-1, chosen], block.x[-1, chosen], block.p[-1, chosen])
+        _store(rows, nodes - 1, last)
+    for first in reversed(range(0, nodes - 1, GAINS)):
+        end = min(first + GAINS, nodes - 1)
+        gains = _gains(block, chosen, first, end)
+        for row in range(end - 1, first - 1, -1):
+            last = _stepped_back(block, chosen, row, gains[row - first], last)
+            _store(rows, row, last)
+    return rows, last
 
 
-def _gains(block: Block, chosen: int) -> Array:
-    """G of each node but the last. P- is scaled by its diagonal before it is inverted: its units differ by 1e6."""
-    predicted = block.p_predicted[1:, chosen]
+def _gains(block: Block, chosen: int, first: int, end: int) -> Array:
+    """G of some nodes. P- is scaled by its diagonal before it is inverted: its units differ by 1e6."""
+    predicted = block.p_predicted[first + 1 : end + 1, chosen]
     scale = 1.0 / np.sqrt(np.maximum(np.diagonal(predicted, axis1=1, axis2=2), 1e-30))
     scaled = predicted * scale[:, :, np.newaxis] * scale[:, np.newaxis, :]
     # A state that is left out has no variance: the identity keeps its row solvable.
     empty = np.diagonal(predicted, axis1=1, axis2=2) <= 0.0
     scaled[:, range(scaled.shape[1]), range(scaled.shape[1])] += np.where(empty, 1.0, 0.0)
-    through = np.matmul(block.phi[1:, chosen], block.p[:-1, chosen])
+    through = np.matmul(block.phi[first + 1 : end + 1, chosen], block.p[first:end, chosen])
     solved = np.linalg.solve(scaled, through * scale[:, :, np.newaxis])
     return np.swapaxes(solved * scale[:, :, np.newaxis], 1, 2)
 
@@ -78,6 +90,5 @@ def _stepped_back(block: Block, chosen: int, row: int, gain: Array, behind: Last
     return Last(matrices_of_vectors(delta[T]) @ block.attitude[row, chosen], x, 0.5 * (p + p.T))
 
 
-def _store(out: Smoothed, row: int, state: Last) -> None:
-    out.attitude[row], out.x[row] = state.attitude, state.x
-    out.p[row], out.spread[row] = state.p[T, T], np.diagonal(state.p)
+def _store(rows: Rows, row: int, state: Last) -> None:
+    rows["attitude"][row], rows["x"][row], rows["spread"][row] = state.attitude, state.x, np.diagonal(state.p)

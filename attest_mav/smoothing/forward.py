@@ -37,13 +37,15 @@ class Restart:
 
 @dataclass(frozen=True)
 class Problem:
-    """Everything that a forward pass reads."""
+    """Everything that a forward pass reads over a part. Nodes are counted from the first one of it."""
 
     intervals: Intervals
     fixes: FixRows
     fields: FieldRows
     deviation: Array
     """For each magnetometer reading the deviation of the field that is known beforehand, as a share of it."""
+    since_s: Array
+    """For each of them the time from the one before, s."""
     restarts: dict[int, Restart]
     """By node."""
     zero_velocity: Array
@@ -56,7 +58,7 @@ class Problem:
 
 @dataclass
 class Block:
-    """The states of consecutive nodes, for one pass over them. Predicted: before the node's measurements."""
+    """The states of the nodes of a part, for one pass over them. Predicted: before the node's measurements."""
 
     attitude: Array
     x: Array
@@ -85,7 +87,7 @@ def empty_block(nodes: int, classes: int) -> Block:
 
 
 class ForwardPass:
-    """The filter over a problem, with the noises of some classes."""
+    """The filter over the problem of a part, with the noises of some classes."""
 
     def __init__(self, problem: Problem, noises: tuple[NoiseClass, ...]) -> None:
         self._problem: Final = problem
@@ -93,32 +95,32 @@ class ForwardPass:
         self._field: Final = np.array([LASTING_FIELD * one.field**2 for one in noises])
         self._is_choice: Final = len(noises) > 1
         self._prediction: Final = Prediction(problem.intervals, len(noises), problem.parameters)
-        nodes = np.arange(len(problem.intervals.nodes))
+        self._nodes: Final = len(problem.intervals.dt_s) + 1
+        nodes = np.arange(self._nodes)
         self._fix_ends: Final[list[int]] = np.searchsorted(problem.fixes.node, nodes, side="right").tolist()
         self._field_ends: Final[list[int]] = np.searchsorted(problem.fields.node, nodes, side="right").tolist()
-        gone_s = np.maximum(np.diff(problem.fields.t_s, prepend=problem.fields.t_s[:1]), 0.0)
+        gone_s = np.maximum(problem.since_s, 0.0)
         self._fading: Final[list[float]] = np.exp(-gone_s / problem.parameters.disturbance_hold_s).tolist()
         self._turns: Final[list[bool]] = ((problem.fields.rate**2).sum(axis=1) > DEADBAND_RATE**2).tolist()
         self._zero_sigma: Final[list[float]] = problem.zero_velocity.tolist()
         self._delta = np.zeros((len(noises), SIZE))
 
-    def run(self, state: State, first: int, end: int, block: Block | None) -> None:
-        """Take the state at node ``first`` to node ``end`` - 1; block: keeps the states of the nodes behind ``first``.
+    def run(self, state: State, block: Block | None = None) -> None:
+        """Take the state at the first node to the last; block: keeps the states of all.
 
-        The block's row 0 is node ``first``, whose prediction stays empty.
+        The prediction of the first node stays empty.
         """
         if block is not None:
             block.attitude[0], block.x[0], block.p[0] = state.attitude, state.x, state.p
-        for node in range(first + 1, end):
+        for node in range(1, self._nodes):
             phi = self._predict(state, node)
             if block is not None:
-                row = node - first
-                block.phi[row] = phi
-                block.predicted_attitude[row], block.x_predicted[row] = state.attitude, state.x
-                block.p_predicted[row] = state.p
+                block.phi[node] = phi
+                block.predicted_attitude[node], block.x_predicted[node] = state.attitude, state.x
+                block.p_predicted[node] = state.p
             self._measure(state, node)
             if block is not None:
-                block.attitude[row], block.x[row], block.p[row] = state.attitude, state.x, state.p
+                block.attitude[node], block.x[node], block.p[node] = state.attitude, state.x, state.p
 
     def _predict(self, state: State, node: int) -> Array:
         restart = self._problem.restarts.get(node)

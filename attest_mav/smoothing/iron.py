@@ -5,8 +5,7 @@ are some per cent, look like iron to a filter that compares headings. The regres
 first: over the whole recording, and, for iron that comes and goes, over the turns about each reading.
 """
 
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +24,7 @@ from attest_mav.filters.velocity_aided.aids.iron import (
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.smoothing.readings import Recording
 from attest_mav.smoothing.rotations import Array
+from attest_mav.smoothing.tables import RUN, Rows, Table
 from attest_mav.types import Vec3
 
 LARGEST_MISFIT: Final = 0.05
@@ -33,76 +33,117 @@ WINDOW_STEP: Final = 1.0
 """rad. Turn from one window to the next."""
 
 
-@dataclass(frozen=True)
+IRON: Final = np.dtype([("iron", "<f8", 3), ("sigma", "<f8")])
+"""A row for each magnetometer reading: gauss, and 1-sigma of an axis of it."""
+SUMS: Final = np.dtype([("turn", "<f8"), ("moments", "<f8", 18)])
+"""A row for each of them: the turn until then, rad, and the moments of the strengths weighed by it."""
+
+
 class Iron:
-    """Hard iron before the first pass, gauss."""
+    """Hard iron before the first pass; none without a table."""
 
-    at_readings: Array
-    """For each inertial sample what its magnetometer reading is corrected by."""
-    uncertainty: Array
-    """1-sigma of an axis of that, beyond what calibration leaves."""
+    def __init__(self, table: Table | None = None) -> None:
+        self._table: Final = table
 
-
-def no_iron(readings: Recording) -> Iron:
-    """Nothing to correct."""
-    return Iron(np.zeros((len(readings.t_s), 3)), np.zeros(len(readings.t_s)))
+    def at(self, begin: int, end: int) -> tuple[Array, Array]:
+        """What some magnetometer readings are corrected by, gauss, and 1-sigma beyond what calibration leaves."""
+        rows = np.zeros(end - begin, IRON) if self._table is None else self._table.rows(begin, end)
+        return rows["iron"], rows["sigma"]
 
 
-def first_iron(readings: Recording, parameters: FlightParameters) -> Iron:
+def first_iron(recording: Recording, parameters: FlightParameters) -> Iron:
     """The iron of a recording; none where a velocity shows it."""
-    rows = np.nonzero(np.isfinite(readings.field[:, 0]))[0]
-    if not readings.in_place or parameters.hard_iron <= 0.0 or not len(rows):
-        return no_iron(readings)
-    return _Strengths(readings, rows, parameters).iron()
+    if not recording.in_place or parameters.hard_iron <= 0.0 or not len(recording.fields):
+        return Iron()
+    return Iron(_Strengths(recording, parameters).iron())
 
 
 class _Strengths:
     """The strengths of all magnetometer readings, and the iron by them."""
 
-    def __init__(self, readings: Recording, rows: NDArray[np.int64], parameters: FlightParameters) -> None:
-        field = readings.field[rows]
-        rate = np.sqrt((readings.gyro[rows] ** 2).sum(axis=1))
-        since_s = np.diff(readings.t_s[rows], prepend=readings.t_s[rows[:1]])
-        self._readings, self._rows, self._parameters = readings, rows, parameters
-        self._first = field[0]
-        self._u = field / np.sqrt((field[0] ** 2).sum())
-        self._turns: NDArray[np.bool_] = rate > TURNING_RATE
-        self._turn = np.where(self._turns, rate * np.minimum(since_s, LONGEST_S), 0.0)
-        y = 0.5 * ((self._u**2).sum(axis=1) - 1.0)
-        squares = (self._u[:, :, np.newaxis] * self._u[:, np.newaxis, :]).reshape(-1, 9)
-        each = np.column_stack((np.ones_like(y), self._u, y, squares, y[:, np.newaxis] * self._u, y * y))
-        self._moments = np.vstack((np.zeros(18), np.cumsum(self._turn[:, np.newaxis] * each, axis=0)))
+    def __init__(self, recording: Recording, parameters: FlightParameters) -> None:
+        self._fields: Final = recording.fields
+        self._parameters: Final = parameters
+        self._first: Final[Array] = recording.fields.rows(0, 1)["field"][0]
+        self._iron: Final = recording.scratch.table(IRON)
+        self._sums: Final = recording.scratch.table(SUMS)
+        last = np.zeros(1, SUMS)
+        for begin, end in self._fields.runs():
+            sums = self._added(last, begin, end)
+            self._sums.write(begin, sums)
+            self._iron.write(begin, np.zeros(len(sums), IRON))
+            last = sums[-1:]
 
-    def iron(self) -> Iron:
+    def _added(self, last: Rows, begin: int, end: int) -> Rows:
+        """The sums at some readings by those at the reading before them."""
+        u, turn = self._directions(begin, end), self._turns(begin, end)
+        y = 0.5 * ((u**2).sum(axis=1) - 1.0)
+        squares = (u[:, :, np.newaxis] * u[:, np.newaxis, :]).reshape(-1, 9)
+        each = np.column_stack((np.ones_like(y), u, y, squares, y[:, np.newaxis] * u, y * y))
+        out = np.empty(end - begin, SUMS)
+        out["turn"] = np.cumsum(np.append(last["turn"], turn))[1:]
+        out["moments"] = np.cumsum(np.vstack((last["moments"], turn[:, np.newaxis] * each)), axis=0)[1:]
+        return out
+
+    def _directions(self, begin: int, end: int) -> Array:
+        """Some readings as a share of the strength of the first one."""
+        out: Array = self._fields.rows(begin, end)["field"] / np.sqrt((self._first**2).sum())
+        return out
+
+    def _turns(self, begin: int, end: int) -> Array:
+        """The turn of the sensor since the reading before each, rad; 0 where it is nearly at rest."""
+        rows = self._fields.rows(max(begin - 1, 0), end)
+        since_s = np.diff(rows["t_s"], prepend=rows["t_s"][:1])[-(end - begin) :]
+        rate = np.sqrt((rows["gyro"][-(end - begin) :] ** 2).sum(axis=1))
+        return np.where(rate > TURNING_RATE, rate * np.minimum(since_s, LONGEST_S), 0.0)
+
+    def iron(self) -> Table:
         """That of the whole recording, or else that of each part of it."""
-        fit = self._fit(0, len(self._rows))
+        fit = self._fit(0, len(self._fields))
         whole = self._shown(fit)
         if whole is not None and self._misfit(whole) < LARGEST_MISFIT:
-            iron = np.tile(fit.strength * np.array(whole.iron), (len(self._rows), 1))
-            return self._placed(iron, np.full(len(self._rows), self._sigma(fit, whole)))
-        return self._in_parts()
+            for begin, end in self._fields.runs():
+                self._place(fit, whole, begin, np.ones(end - begin, np.bool_))
+        else:
+            self._place_parts()
+        return self._iron
 
-    def _in_parts(self) -> Iron:
-        """The iron of the turns about each reading."""
-        iron, sigma = np.zeros_like(self._u), np.zeros(len(self._u))
-        turned = np.cumsum(self._turn)
-        for begin in np.arange(0.0, turned[-1], WINDOW_STEP):
-            middle = begin + 0.5 * WINDOW_STEP
-            low, high = np.searchsorted(turned, (middle - 0.5 * MEMORY_TURN, middle + 0.5 * MEMORY_TURN))
-            fit = self._fit(int(low), int(high))
+    def _place_parts(self) -> None:
+        """Find the iron of the turns about each reading."""
+        begins = np.arange(0.0, float(self._sums.rows(len(self._sums) - 1, len(self._sums))["turn"][0]), WINDOW_STEP)
+        middle = begins + 0.5 * WINDOW_STEP
+        lows, highs = self._places(middle - 0.5 * MEMORY_TURN, "left"), self._places(middle + 0.5 * MEMORY_TURN, "left")
+        firsts, ends = self._places(begins, "left"), self._places(begins + WINDOW_STEP, "right")
+        for low, high, first, end in zip(*(one.tolist() for one in (lows, highs, firsts, ends)), strict=True):
+            fit = self._fit(low, high)
             found = self._shown(fit)
-            if found is None:
-                continue
-            here = np.zeros_like(self._turns)
-            here[np.searchsorted(turned, begin) : np.searchsorted(turned, begin + WINDOW_STEP, side="right")] = True
-            here &= self._turns | self._has(found)
-            iron[here] = fit.strength * np.array(found.iron)
-            sigma[here] = self._sigma(fit, found)
-        return self._placed(iron, sigma)
+            if found is not None:
+                for begin in range(first, end, RUN):
+                    self._place_where_it_is(fit, found, begin, min(begin + RUN, end))
+
+    def _places(self, turn: Array, side: Literal["left", "right"]) -> NDArray[np.int64]:
+        """The number of readings until each of these turns, rad."""
+        out = np.zeros(len(turn), np.int64)
+        for run in self._sums.column("turn"):
+            out += np.searchsorted(run, turn, side)
+        return out
+
+    def _place_where_it_is(self, fit: IronFit, found: FittedIron, begin: int, end: int) -> None:
+        """Correct those of some readings that turn or whose strength has the iron in it."""
+        u = self._directions(begin, end)
+        rate = np.sqrt((self._fields.rows(begin, end)["gyro"] ** 2).sum(axis=1))
+        self._place(fit, found, begin, (rate > TURNING_RATE) | _has(u, found))
+
+    def _place(self, fit: IronFit, found: FittedIron, begin: int, here: NDArray[np.bool_]) -> None:
+        """Correct the chosen ones of the readings from ``begin`` on."""
+        rows = self._iron.rows(begin, begin + len(here)).copy()
+        rows["iron"][here] = fit.strength * np.array(found.iron)
+        rows["sigma"][here] = fit.strength * float(np.sqrt(np.trace(np.array(found.covariance)) / 3.0))
+        self._iron.write(begin, rows)
 
     def _fit(self, first: int, end: int) -> IronFit:
         """The moments of a part of the readings."""
-        sums = self._moments[end] - self._moments[first]
+        sums = self._moments(end) - self._moments(first)
         matrix = (_vector(sums[5:8]), _vector(sums[8:11]), _vector(sums[11:14]))
         return IronFit(
             _vector(self._first),
@@ -124,27 +165,31 @@ class _Strengths:
         is_far = iron @ np.linalg.solve(known, iron) > SIGNIFICANT
         return found if is_far and found.unexplained < LARGEST_UNEXPLAINED else None
 
+    def _moments(self, count: int) -> Array:
+        """The sums over so many readings."""
+        out: Array = self._sums.rows(count - 1, count)["moments"][0] if count else np.zeros(18)
+        return out
+
     def _misfit(self, found: FittedIron) -> float:
         """Share of all readings, at rest too, whose strength is not that of the field with the iron in it."""
-        off = np.sqrt(((self._u - found.iron) ** 2).sum(axis=1)) - found.strength
-        return float(np.mean(np.abs(off) > 2.0 * FIELD_NOISE))
+        off = sum(
+            np.count_nonzero(np.abs(_strength(self._directions(*run), found)) > 2.0 * FIELD_NOISE)
+            for run in self._fields.runs()
+        )
+        return off / len(self._fields)
 
-    def _has(self, found: FittedIron) -> NDArray[np.bool_]:
-        """For each reading whether its strength is that of the field with the iron in it."""
-        with_iron = np.sqrt(((self._u - found.iron) ** 2).sum(axis=1))
-        without = np.sqrt((self._u**2).sum(axis=1))
-        out: NDArray[np.bool_] = np.abs(with_iron - found.strength) < np.abs(without - found.strength)
-        return out
 
-    def _sigma(self, fit: IronFit, found: FittedIron) -> float:
-        """1-sigma of an axis, gauss."""
-        return fit.strength * float(np.sqrt(np.trace(np.array(found.covariance)) / 3.0))
+def _strength(u: Array, found: FittedIron) -> Array:
+    """The strengths without the iron, less that of the field."""
+    out: Array = np.sqrt(((u - found.iron) ** 2).sum(axis=1)) - found.strength
+    return out
 
-    def _placed(self, iron: Array, sigma: Array) -> Iron:
-        """Values of the magnetometer's readings at the inertial samples."""
-        out = no_iron(self._readings)
-        out.at_readings[self._rows], out.uncertainty[self._rows] = iron, sigma
-        return out
+
+def _has(u: Array, found: FittedIron) -> NDArray[np.bool_]:
+    """For each reading whether its strength is that of the field with the iron in it."""
+    without = np.sqrt((u**2).sum(axis=1)) - found.strength
+    out: NDArray[np.bool_] = np.abs(_strength(u, found)) < np.abs(without)
+    return out
 
 
 def _vector(v: Array) -> Vec3:

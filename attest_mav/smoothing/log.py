@@ -1,6 +1,8 @@
 """A log through the smoother: the samples of its vehicle into a lane with a recorder, and the trajectory out."""
 
 from array import array
+from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -13,66 +15,82 @@ from attest_mav.logs.source import LogSource
 from attest_mav.replay.log_time import LogTime
 from attest_mav.replay.north import north_of
 from attest_mav.replay.plan import make_plan
-from attest_mav.replay.smoothed import FlightToSmooth, SmoothedFlight, samples_of
+from attest_mav.replay.smoothed import FlightToSmooth, SmoothedAttitudes, SmoothedFlight, samples_of
 from attest_mav.samples import AttitudeSample, ImuSample
 from attest_mav.smoothing.noise import with_wide_priors
-from attest_mav.smoothing.readings import Recorder
-from attest_mav.smoothing.trajectory import Trajectory, smoothed_trajectory
+from attest_mav.smoothing.readings import Recording
+from attest_mav.smoothing.recorder import Recorder
+from attest_mav.smoothing.tables import Scratch
+from attest_mav.smoothing.trajectory import SmoothedParts, Trajectory
 from attest_mav.smoothing.white_noise import with_white_noise
 from attest_mav.vehicle_reports import ParameterSample
 
 
 def smooth(source: LogSource, imu: str | None = None, declination_deg: float | None = None) -> Trajectory:
-    """Smooth the flight of a log source (``attest_mav.logs.formats.open_source``).
+    """Smooth the flight of a log source (``attest_mav.logs.formats.open_source``), in memory.
 
     imu: the inertial message; None to choose it as a replay does. declination_deg: east positive; None to look it up.
     UnreadableDataError where the log has no inertial message, or no attitude can be found to begin with.
     """
+    flight = flight_of(source, imu, declination_deg)
+    parts = parts_of(flight, Scratch())
+    if parts is None:
+        raise UnreadableDataError(
+            f"{flight.imu} shows no attitude that a smoother could begin with; expected some seconds of it without a "
+            "gap"
+        )
+    return parts.whole()
+
+
+def flight_of(source: LogSource, imu: str | None = None, declination_deg: float | None = None) -> FlightToSmooth:
+    """The flight of a log source, see ``smooth``."""
     summary = source.summary()
     plan = make_plan(summary, imu, None)
     vehicle = summary.vehicles[plan.vehicle]
     one = VelocityAided().with_vehicle_settings(vehicle.settings)
     field = north_of(vehicle, declination_deg).direction
-    flight = FlightToSmooth(
+    return FlightToSmooth(
         samples_of(source, plan), plan.imu, vehicle.opening, field, PipelineSettings(), one.parameters
     )
-    trajectory = trajectory_of(flight)
-    if trajectory is None:
-        raise UnreadableDataError(
-            f"{plan.imu} shows no attitude that a smoother could begin with; expected some seconds of it without a gap"
-        )
-    return trajectory
 
 
-def smoothed_flight(flight: FlightToSmooth) -> SmoothedFlight | None:
-    """The smoothed attitudes as a replay takes them; None where no attitude can be found to begin with."""
-    trajectory = trajectory_of(flight)
-    if trajectory is None:
-        return None
-    sigmas = (trajectory.tilt_sigma, trajectory.heading_sigma)
-    rows = np.column_stack((trajectory.q_nb, trajectory.rates, *sigmas))
-    columns, times = array("d"), array("q")
-    columns.frombytes(rows.tobytes())
-    times.frombytes(trajectory.t_ns.tobytes())
-    return SmoothedFlight(times, columns, trajectory.north, trajectory.noise)
+def smoothed_flight(flight: FlightToSmooth, scratch: Scratch) -> SmoothedFlight | None:
+    """The smoothed attitudes as a replay takes them; None where no attitude can be found to begin with.
+
+    scratch: keeps the tables, and is needed until the last attitude is taken.
+    """
+    parts = parts_of(flight, scratch)
+    return None if parts is None else SmoothedFlight(partial(_runs, parts), parts.north, parts.noise)
 
 
-def trajectory_of(flight: FlightToSmooth) -> Trajectory | None:
-    """The smoothed attitude at each inertial sample; None where no attitude can be found to begin with."""
-    recorder = recorded(flight)
-    readings = recorder.recording()
-    if readings is None:
-        return None
-    return smoothed_trajectory(readings, with_white_noise(with_wide_priors(flight.parameters), readings))
+def _runs(parts: SmoothedParts) -> Iterator[SmoothedAttitudes]:
+    """The attitudes of a flight, part by part."""
+    for part in parts:
+        rows = np.column_stack((part.q_nb, part.rates, part.tilt_sigma, part.heading_sigma))
+        columns, times = array("d"), array("q")
+        columns.frombytes(rows.tobytes())
+        times.frombytes(part.t_ns.tobytes())
+        yield SmoothedAttitudes(times, columns)
 
 
-def recorded(flight: FlightToSmooth) -> Recorder:
-    """The recorder after the samples of a log, which pass the same lane as for a live filter."""
+def parts_of(flight: FlightToSmooth, scratch: Scratch) -> SmoothedParts | None:
+    """The smoothed flight; None where no attitude can be found to begin with. scratch: keeps the tables."""
+    recording = recorded(flight, scratch)
+    return None if recording is None else smoothed_parts(recording, flight)
+
+
+def smoothed_parts(recording: Recording, flight: FlightToSmooth) -> SmoothedParts:
+    """The smoothed flight by its recording."""
+    return SmoothedParts(recording, with_white_noise(with_wide_priors(flight.parameters), recording))
+
+
+def recorded(flight: FlightToSmooth, scratch: Scratch) -> Recording | None:
+    """The samples of a log, which pass the same lane as for a live filter; None as for ``parts_of``."""
     vehicle = Vehicle(flight.settings.aids)
     vehicle.field = flight.field
     for sample in flight.opening:
         vehicle.take(sample)
-    recorder = Recorder(flight.parameters)
+    recorder = Recorder(flight.parameters, scratch)
     lane = Lane(flight.imu, recorder, vehicle)
     time = LogTime()
     for sample in flight.samples:
@@ -82,4 +100,4 @@ def recorded(flight: FlightToSmooth) -> Recorder:
                 lane.handle(sample)
         elif not isinstance(sample, AttitudeSample | ParameterSample):
             vehicle.take(sample)
-    return recorder
+    return recorder.recording()

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from attest_mav.smoothing.intervals import Intervals
 from attest_mav.smoothing.iron import Iron
-from attest_mav.smoothing.readings import Recording
+from attest_mav.smoothing.parts import Part
+from attest_mav.smoothing.readings import Fixes, Readings
 from attest_mav.smoothing.rotations import Array, cross_matrices, from_vector, matrices, multiply, turned
+from attest_mav.smoothing.tables import Table
 
 
 @dataclass(frozen=True)
@@ -25,10 +27,10 @@ class Lags:
 
 @dataclass(frozen=True)
 class FixRows:
-    """Velocity fixes in order of their nodes."""
+    """Velocity fixes of a part in order of their nodes."""
 
     node: NDArray[np.int64]
-    """Index of the node behind the instant of the fix."""
+    """Number in the part of the node behind the instant of the fix."""
     velocity: Array
     """NED, m/s."""
     axes: NDArray[np.int64]
@@ -47,7 +49,7 @@ class FixRows:
 
 @dataclass(frozen=True)
 class FieldRows:
-    """Magnetometer readings in order of their nodes."""
+    """Magnetometer readings of a part in order of their nodes."""
 
     node: NDArray[np.int64]
     t_s: Array
@@ -64,12 +66,17 @@ class FieldRows:
     """[rate]x."""
 
 
-def fix_rows(readings: Recording, intervals: Intervals, lags: Lags) -> FixRows:
+def fix_rows(part: Part, intervals: Intervals, fixes: Fixes, lags: Lags) -> FixRows:
     """The fixes that lie within the intervals."""
-    fixes = readings.fixes
+    begin, end = (
+        int(np.searchsorted(fixes.t_s - lags.fix_s, limit_s, side="right" if behind_equal else "left"))
+        for limit_s, behind_equal in _limits(part)
+    )
+    fixes = fixes.rows(begin, end)
     t_s = fixes.t_s - lags.fix_s
-    node, row, kept = _places(readings, intervals, t_s)
+    node, row, kept = _places(part, t_s)
     node, row, t_s = node[kept], row[kept], t_s[kept]
+    readings = part.readings
     since_row_s = t_s - readings.t_s[row]
     bias = intervals.nominal.accel_bias[node - 1]
     at_row = matrices(intervals.turn_at[row])
@@ -82,14 +89,14 @@ def fix_rows(readings: Recording, intervals: Intervals, lags: Lags) -> FixRows:
         fixes.velocity[kept],
         np.where(fixes.has_vertical[kept], 3, 2),
         fixes.sigma[kept] ** 2,
-        readings.t_s[intervals.nodes[node]] - t_s,
+        part.node_s[node] - t_s,
         turned(into, intervals.gain[node - 1] - gained),
         turned(into, force + since_row_s[:, np.newaxis] * slope),
         bias,
     )
 
 
-def _force_slope(readings: Recording, intervals: Intervals, row: NDArray[np.int64], bias: Array, force: Array) -> Array:
+def _force_slope(readings: Readings, intervals: Intervals, row: NDArray[np.int64], bias: Array, force: Array) -> Array:
     """Change of the specific force with time behind a reading, in the axes of ``force``, m/s^3."""
     step_s = readings.t_s[row + 1] - readings.t_s[row]
     rate = readings.gyro[row] * step_s[:, np.newaxis]
@@ -98,28 +105,33 @@ def _force_slope(readings: Recording, intervals: Intervals, row: NDArray[np.int6
     return out
 
 
-def field_rows(readings: Recording, intervals: Intervals, lags: Lags, iron: Iron) -> FieldRows:
-    """The new readings of the magnetometer that lie within the intervals."""
-    new = np.nonzero(np.isfinite(readings.field[:, 0]))[0]
-    t_s = readings.t_s[new] - lags.field_s
-    node, row, kept = _places(readings, intervals, t_s)
-    node, row, t_s, new = node[kept], row[kept], t_s[kept], new[kept]
-    rate = readings.gyro[row] - intervals.nominal.gyro_bias[node - 1]
-    since_row_s = (t_s - readings.t_s[row])[:, np.newaxis]
+def field_rows(part: Part, intervals: Intervals, fields: Table, lags: Lags, iron: Iron) -> FieldRows:
+    """The new readings of the magnetometer that lie within the intervals. fields: of the recording."""
+    begin, end = (
+        fields.place(limit_s, lags.field_s, behind_equal=behind_equal) for limit_s, behind_equal in _limits(part)
+    )
+    new = fields.rows(begin, end)
+    t_s = new["t_s"] - lags.field_s
+    node, row, kept = _places(part, t_s)
+    node, row, t_s = node[kept], row[kept], t_s[kept]
+    rate = part.readings.gyro[row] - intervals.nominal.gyro_bias[node - 1]
+    since_row_s = (t_s - part.readings.t_s[row])[:, np.newaxis]
     then = multiply(intervals.turn_at[row], from_vector(rate * since_row_s))
     back = np.matmul(np.swapaxes(intervals.turn[node - 1], 1, 2), matrices(then))
-    field = readings.field[new] - iron.at_readings[new]
-    return FieldRows(node, t_s, field, iron.uncertainty[new], back, rate, cross_matrices(rate))
+    known, sigma = iron.at(begin, end)
+    return FieldRows(node, t_s, (new["field"] - known)[kept], sigma[kept], back, rate, cross_matrices(rate))
 
 
-def _places(
-    readings: Recording, intervals: Intervals, t_s: Array
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
-    """For each instant the node behind it, the reading before it, and whether it lies within an interval."""
-    nodes = intervals.nodes
-    node_s = readings.t_s[nodes]
-    node = np.clip(np.searchsorted(node_s, t_s, side="left"), 1, len(nodes) - 1)
-    row = np.clip(np.searchsorted(readings.t_s, t_s, side="right") - 1, 0, len(readings.t_s) - 2)
+def _limits(part: Part) -> tuple[tuple[float, bool], tuple[float, bool]]:
+    """The times between which the instants of a part lie, s, each with whether those equal to it lie before it."""
+    begin_s, end_s = part.node_s[[0, -1]].tolist()
+    return (begin_s, part.first > 0), (end_s, True)
+
+
+def _places(part: Part, t_s: Array) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+    """For each instant of a part the node behind it, the reading before it, and whether its motion is known."""
+    nodes = part.rows
+    node = np.clip(np.searchsorted(part.node_s, t_s, side="left"), 1, len(nodes) - 1)
+    row = np.searchsorted(part.readings.t_s, t_s, side="right") - 1
     row = np.clip(row, nodes[node - 1], nodes[node] - 1)
-    kept = (t_s >= node_s[0]) & (t_s <= node_s[-1]) & ~intervals.is_gap[node - 1]
-    return node, row, kept
+    return node, row, ~part.is_gap[node - 1]

@@ -1,6 +1,7 @@
 """The smoothed attitude at every inertial sample of a flight."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
 from math import isfinite
 from typing import Final
 
@@ -9,7 +10,10 @@ from numpy.typing import NDArray
 
 from attest_mav.filters.velocity_aided.lags import LowPassDelay, low_pass_delay_by
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
+from attest_mav.smoothing.backward import Smoothed, smoothed_of
 from attest_mav.smoothing.model import FIELD_LAG, B, S
+from attest_mav.smoothing.parts import INTERVALS, Part, Parts
+from attest_mav.smoothing.problems import Motion
 from attest_mav.smoothing.readings import Recording
 from attest_mav.smoothing.rotations import (
     Array,
@@ -22,16 +26,13 @@ from attest_mav.smoothing.rotations import (
     unit,
     vectors_of_matrices,
 )
-from attest_mav.smoothing.smoother import Result, Smoother
+from attest_mav.smoothing.smoother import Smoother
 from attest_mav.types import North
-
-CHUNK: Final = 32768
-"""Readings whose matrices are held at a time."""
 
 
 @dataclass(frozen=True)
-class Trajectory:
-    """Arrays with a row for each inertial sample."""
+class SmoothedSamples:
+    """Arrays with a row for each of consecutive inertial samples."""
 
     t_ns: NDArray[np.int64]
     """Sensor clock, ns."""
@@ -45,70 +46,107 @@ class Trajectory:
     """1-sigma of the angle between true and smoothed vertical, rad."""
     heading_sigma: Array
     """1-sigma of the rotation about the vertical, rad."""
+
+
+@dataclass(frozen=True)
+class Trajectory(SmoothedSamples):
+    """The samples of a whole flight; 88 bytes a sample."""
+
     north: North
     """The north that headings refer to."""
     noise: str
     """The class of measurement noise under which the flight is most likely."""
 
 
-def smoothed_trajectory(readings: Recording, parameters: FlightParameters) -> Trajectory:
+class SmoothedParts:
+    """A smoothed flight, whose attitudes at the samples are computed part by part when they are asked for."""
+
+    def __init__(self, recording: Recording, parameters: FlightParameters, intervals: int = INTERVALS) -> None:
+        """parameters: of the live filter, with the vehicle's settings in them. intervals: of a part."""
+        self._parts: Final = Parts(recording, parameters, intervals)
+        self._result: Final = Smoother(self._parts, parameters).result()
+        self._parameters: Final = parameters
+        self.north: Final = North.TRUE if isfinite(recording.declination) else North.MAGNETIC
+        """The north that headings refer to."""
+        self.noise: Final = self._result.noise.name
+        """The class of measurement noise under which the flight is most likely."""
+
+    def __iter__(self) -> Iterator[SmoothedSamples]:
+        delay = self._low_pass_delay()
+        for number in range(len(self._parts)):
+            yield self._samples(self._result.problems.motion(number), delay)
+
+    def whole(self) -> Trajectory:
+        """All samples in arrays."""
+        parts = list(self)
+        columns = {
+            one.name: np.concatenate([getattr(part, one.name) for part in parts]) for one in fields(SmoothedSamples)
+        }
+        return Trajectory(**columns, north=self.north, noise=self.noise)
+
+    def _samples(self, motion: Motion, delay: LowPassDelay) -> SmoothedSamples:
+        """The attitudes of a part but for its last reading, which is the first of the next part's."""
+        part, intervals = motion.part, motion.intervals
+        smoothed = smoothed_of(self._result.smoothed.rows(part.first, part.first + len(part.rows)))
+        readings = part.readings
+        before = np.clip(np.searchsorted(part.node_s, readings.t_s, side="right") - 1, 0, len(part.rows) - 2)
+        share = np.minimum(1.0, (readings.t_s - part.node_s[before]) / intervals.dt_s[before])
+        low_passed = _low_passed(motion, smoothed, before, share)
+        bias, scale = smoothed.x[before][:, B], smoothed.x[before][:, S]
+        rates = readings.gyro - bias - scale * readings.gyro
+        q_nb, along = _turned_on(self._acceleration(part), low_passed, rates, delay)
+        variances = smoothed.spread[:, :3]
+        spread = variances[before] + share[:, np.newaxis] * (variances[before + 1] - variances[before])
+        tilt = np.sqrt(spread[:, 0] + spread[:, 1] + along[:, 0] ** 2 + along[:, 1] ** 2)
+        heading = np.sqrt(spread[:, 2] + along[:, 2] ** 2)
+        mine = slice(None if part.is_last else -1)
+        return SmoothedSamples(
+            readings.t_ns[mine], readings.t_s[mine], q_nb[mine], rates[mine], tilt[mine], heading[mine]
+        )
+
+    def _low_pass_delay(self) -> LowPassDelay:
+        """The group delay of the low-pass, by the lag of the magnetometer where its corner is only assumed."""
+        smoothed, usual_s = self._result.smoothed, self._parts.recording.usual_s
+        last = smoothed_of(smoothed.rows(len(smoothed) - 1, len(smoothed)))
+        lag_s, variance = float(last.x[0, FIELD_LAG]), float(last.spread[0, FIELD_LAG])
+        return low_pass_delay_by(lag_s, variance, usual_s, self._parameters)
+
+    def _acceleration(self, part: Part) -> Array:
+        """The angular acceleration in the step before each reading, rad/s^2; zero at the beginning of a stretch."""
+        recording, end = self._parts.recording, part.begin + len(part.readings.t_s)
+        readings = recording.rows(max(part.begin - 1, 0), end)
+        step_s = np.diff(readings.t_s, prepend=readings.t_s[:1] - 1.0)
+        out: Array = np.diff(readings.gyro, axis=0, prepend=readings.gyro[:1]) / step_s[:, np.newaxis]
+        out = out[-len(part.readings.t_s) :]
+        for stretch in recording.stretches:
+            if part.begin <= stretch.begin < end:
+                out[stretch.begin - part.begin] = 0.0
+        return out
+
+
+def smoothed_trajectory(recording: Recording, parameters: FlightParameters) -> Trajectory:
     """Smooth a flight. parameters: of the live filter, with the vehicle's settings in them."""
-    result = Smoother(readings, parameters).result()
-    return at_samples(readings, result, parameters)
+    return SmoothedParts(recording, parameters).whole()
 
 
-def at_samples(readings: Recording, result: Result, parameters: FlightParameters) -> Trajectory:
-    """The attitudes between the nodes, turned on by the low-pass's delay as those of the live filter are."""
-    intervals, smoothed = result.intervals, result.smoothed
-    node_s = readings.t_s[intervals.nodes]
-    before = np.clip(np.searchsorted(node_s, readings.t_s, side="right") - 1, 0, len(node_s) - 2)
-    share = np.minimum(1.0, (readings.t_s - node_s[before]) / intervals.dt_s[before])
-    low_passed = _low_passed(result, before, share)
-    bias, scale = smoothed.x[before][:, B], smoothed.x[before][:, S]
-    rates = readings.gyro - bias - scale * readings.gyro
-    delay = _low_pass_delay(result, readings, parameters)
-    q_nb, along = _turned_on(readings, low_passed, rates, delay)
-    variances = smoothed.spread[:, :3]
-    spread = variances[before] + share[:, np.newaxis] * (variances[before + 1] - variances[before])
-    tilt = np.sqrt(spread[:, 0] + spread[:, 1] + along[:, 0] ** 2 + along[:, 1] ** 2)
-    heading = np.sqrt(spread[:, 2] + along[:, 2] ** 2)
-    north = North.TRUE if isfinite(readings.declination) else North.MAGNETIC
-    return Trajectory(readings.t_ns, readings.t_s, q_nb, rates, tilt, heading, north, result.noise.name)
-
-
-def _low_passed(result: Result, before: NDArray[np.int64], share: Array) -> Array:
+def _low_passed(motion: Motion, smoothed: Smoothed, before: NDArray[np.int64], share: Array) -> Array:
     """The attitude that the low-passed sensors see at each reading. before: the node before it; share: of its interval.
 
     The turn that the gyro misses from one node to the next is spread over the time between them.
     """
-    intervals, attitude = result.intervals, result.smoothed.attitude
+    intervals, attitude = motion.intervals, smoothed.attitude
     predicted = np.matmul(attitude[:-1], intervals.turn)
     missed = vectors_of_matrices(np.matmul(np.swapaxes(predicted, 1, 2), attitude[1:]))
-    missed[intervals.is_gap] = 0.0
-    out = np.empty((len(before), 4))
-    for begin in range(0, len(before), CHUNK):
-        rows = slice(begin, begin + CHUNK)
-        node = before[rows]
-        carried = np.matmul(attitude[node], matrices(intervals.turn_at[rows]))
-        closing = matrices_of_vectors(share[rows, np.newaxis] * missed[node])
-        out[rows] = quaternions(np.matmul(carried, closing))
+    missed[motion.part.is_gap] = 0.0
+    carried = np.matmul(attitude[before], matrices(intervals.turn_at))
+    closing = matrices_of_vectors(share[:, np.newaxis] * missed[before])
+    out = quaternions(np.matmul(carried, closing))
     out[-1] = quaternions(attitude[-1])
     return out
 
 
-def _low_pass_delay(result: Result, readings: Recording, parameters: FlightParameters) -> LowPassDelay:
-    """The group delay of the low-pass, by the lag of the magnetometer where its corner is only assumed."""
-    usual_s = float(np.median(np.diff(readings.t_s)))
-    last = result.smoothed
-    return low_pass_delay_by(float(last.x[-1, FIELD_LAG]), float(last.spread[-1, FIELD_LAG]), usual_s, parameters)
-
-
-def _turned_on(readings: Recording, q_nb: Array, rates: Array, delay: LowPassDelay) -> tuple[Array, Array]:
+def _turned_on(acceleration: Array, q_nb: Array, rates: Array, delay: LowPassDelay) -> tuple[Array, Array]:
     """The attitudes of now, and the rotation in NED along which an error of the delay acts times its sigma, rad."""
-    step_s = np.diff(readings.t_s, prepend=readings.t_s[:1] - 1.0)
-    acceleration = np.diff(readings.gyro, axis=0, prepend=readings.gyro[:1]) / step_s[:, np.newaxis]
-    for stretch in readings.stretches:
-        acceleration[stretch.begin] = 0.0
     lag_s = delay.delay_s
     now = unit(multiply(q_nb, from_vector(lag_s * rates + 0.5 * lag_s**2 * acceleration)))
     along = delay.sigma_s * turned(matrices(now), rates + lag_s * acceleration)

@@ -10,9 +10,10 @@ from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.filters.velocity_aided.prediction import predict
 from attest_mav.filters.velocity_aided.reading import Reading, read
 from attest_mav.samples import ImuSample
-from attest_mav.smoothing.intervals import Nominal, integrate, steps_of
+from attest_mav.smoothing.intervals import Nominal, integrate
 from attest_mav.smoothing.model import Prediction, State, first_covariance
-from attest_mav.smoothing.readings import Recorder
+from attest_mav.smoothing.parts import Parts
+from attest_mav.smoothing.recorder import Recorder
 from attest_mav.smoothing.rotations import matrices
 from attest_mav.types import North
 
@@ -28,13 +29,17 @@ def samples(flown):
 
 
 @pytest.fixture(scope="module")
-def readings(samples):
+def intervals(samples):
+    """One interval of ten steps."""
     recorder = Recorder(PARAMETERS)
     zero = (0.0, 0.0, 0.0)
     state = recorder.initial(Start((1.0, 0.0, 0.0, 0.0), zero, North.RELATIVE, zero, None))
     for sample in samples[:600]:
         state = recorder.step(state, 0.02, sample, FilterInputs(zero_mean_velocity=True))
-    return recorder.recording()
+    part = Parts(recorder.recording(), PARAMETERS, 1)[0]
+    zero = np.zeros((1, 3))
+    assert part.rows.tolist() == [0, STEPS]
+    return integrate(part, Nominal(zero, zero, zero), PARAMETERS)
 
 
 def live_after(samples, q_nb, first, count):
@@ -50,13 +55,10 @@ def live_after(samples, q_nb, first, count):
     return nav
 
 
-def test_an_interval_is_the_same_as_the_live_filters_steps(samples, readings):
+def test_an_interval_is_the_same_as_the_live_filters_steps(samples, intervals):
     length = np.linalg.norm(Q)
     q_nb = tuple(float(part / length) for part in Q)
     live = live_after(samples, q_nb, 0, STEPS)
-    zero = np.zeros((1, 3))
-    nodes = np.array([0, STEPS])
-    intervals = integrate(readings, steps_of(readings, PARAMETERS), nodes, Nominal(zero, zero, zero), PARAMETERS)
     x = np.zeros((1, 21))
     x[0, 3:6] = 1.0, 2.0, 3.0
     p = first_covariance(declination_known=True, parameters=PARAMETERS)
@@ -73,10 +75,7 @@ def test_an_interval_is_the_same_as_the_live_filters_steps(samples, readings):
             np.testing.assert_allclose(ours, theirs, rtol=2e-3, atol=3e-3 * np.abs(theirs).max() + 1e-12)
 
 
-def test_the_transition_is_the_derivative_of_the_motion(readings):
-    zero = np.zeros((1, 3))
-    nodes = np.array([0, STEPS])
-    intervals = integrate(readings, steps_of(readings, PARAMETERS), nodes, Nominal(zero, zero, zero), PARAMETERS)
+def test_the_transition_is_the_derivative_of_the_motion(intervals):
     attitude = matrices(np.array([[0.6, 0.0, 0.8, 0.0]]))
 
     def moved(x):

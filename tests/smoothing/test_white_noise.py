@@ -4,9 +4,16 @@ import numpy as np
 import pytest
 
 from attest_mav.filters.velocity_aided.white_noise import no_white_noise, observed
-from attest_mav.smoothing.white_noise import white_variance
+from attest_mav.smoothing.tables import Scratch
+from attest_mav.smoothing.white_noise import white_variance as column_variance
 
 TIMES = np.arange(0.0, 60.0, 0.02)[:, None]
+
+
+def white_variance(readings):
+    table = Scratch().table(np.dtype([("gyro", "<f8", 3)]))
+    table.append(readings.tobytes())
+    return column_variance(table, "gyro")
 
 
 def test_white_noise_is_found_beside_motion_and_a_step():

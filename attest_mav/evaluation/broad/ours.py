@@ -19,7 +19,7 @@ from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.samples import ImuSample
-from attest_mav.smoothing.readings import Recorder
+from attest_mav.smoothing.recorder import Recorder
 from attest_mav.smoothing.trajectory import smoothed_trajectory
 from attest_mav.types import Vec3
 
@@ -73,10 +73,10 @@ def smoothed(trial: Trial, with_mag: bool) -> Array:
     """Attitude at each sample by the smoother, sensor to ENU, shape (n, 4); the first row repeats the second."""
     recorder = Recorder(SENSOR)
     attitudes(recorder, trial, with_mag)
-    readings = recorder.recording()
-    if readings is None:
+    recording = recorder.recording()
+    if recording is None:
         raise UnreadableDataError(f"{trial.name}: no attitude to begin with; expected readings of a sensor at rest")
-    q_nb = smoothed_trajectory(readings, SENSOR).q_nb
+    q_nb = smoothed_trajectory(recording, SENSOR).q_nb
     return to_enu(np.vstack((q_nb[:1], q_nb)))
 
 
