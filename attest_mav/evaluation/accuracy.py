@@ -95,9 +95,9 @@ _OUTAGE: Final = {"smoother tilt": at_most(0.06)}
 _IRON_BOUNDS: Final = {"smoother tilt": at_most(0.08), "smoother heading": at_most(0.15)}
 
 
-def _after(earlier: str, log: str, kind: str, live: tuple[float, float] | None) -> Case:
+def _after(earlier: str, log: str, kind: str, live: tuple[float, float] | None, smoothed: tuple[float, float]) -> Case:
     """Sensors whose errors an earlier flight has shown."""
-    bounds = _bounds(live, None) | _COVERED
+    bounds = _bounds(live, smoothed) | _COVERED
     return Case(log, f"{kind} sensors, after {earlier}", _sensors(kind), bounds, earlier=earlier)
 
 
@@ -109,16 +109,16 @@ CASES: Final = (
     Case("copter_square", "iron of 200 mG", _iron(*_IRON_PLACES), _IRON_BOUNDS, _IRON_PLACES),
     Case("copter_square", "judged by smoothed", (WHOLE,), {"ratio": (0.85, 1.15)}, by_smoothed=True),
     *(Case("copter_square", kind, _sensors(kind), _COVERED) for kind in ALONE),
-    _after("plane_circles", "copter_square", "typical", (0.43, 1.0)),
-    _after("plane_circles", "copter_square", "poor", None),
+    _after("plane_circles", "copter_square", "typical", (0.43, 1.0), (0.15, 0.25)),
+    _after("plane_circles", "copter_square", "poor", None, (0.3, 0.5)),
     Case("plane_circles", "as it is", (WHOLE,), _bounds((0.085, 0.10), (0.03, 0.03)) | _NOT_TIMID),
     Case("plane_circles", "typical sensors", _sensors("typical"), _bounds((0.37, 0.42), (0.14, 0.17)) | _HONEST),
     Case("plane_circles", "poor sensors", _sensors("poor"), _bounds(None, (0.35, 0.65)) | _HONEST),
     Case("plane_circles", "60 s without fixes", _outages(*_PLACES), _OUTAGE, _PLACES),
     Case("plane_circles", "iron of 200 mG", _iron(*_IRON_PLACES), _IRON_BOUNDS, _IRON_PLACES),
     *(Case("plane_circles", kind, _sensors(kind), _COVERED) for kind in ALONE),
-    _after("copter_square", "plane_circles", "typical", (0.37, 0.42)),
-    _after("copter_square", "plane_circles", "poor", None),
+    _after("copter_square", "plane_circles", "typical", (0.37, 0.42), (0.14, 0.17)),
+    _after("copter_square", "plane_circles", "poor", None, (0.3, 0.4)),
     Case(
         "plane_turbulent",
         "as it is",
@@ -186,12 +186,15 @@ def _flown(
     """Errors of the live filter, of the smoother and of the autopilot."""
     one = VelocityAided().with_vehicle_settings(recording.settings)
     earth, plan = _field(recording), recording.plan
-    to_smooth = FlightToSmooth(samples, plan.imu, (), earth, PipelineSettings(), one.parameters)
+    known = calibrations or {}
+    to_smooth = FlightToSmooth(
+        samples, plan.imu, (), earth, PipelineSettings(), one.parameters, calibration=known.get(plan.imu)
+    )
     log = ErrorLog()
     if as_reference:
         plan = replace(plan, reference=SMOOTHED)
     flight = Flight(plan, [one], earth, Window(), sink=log, smoothed=smoothed_flight(to_smooth, Scratch()))
-    flight.runs[0].pipeline.vehicle.calibrations = calibrations or {}
+    flight.runs[0].pipeline.vehicle.calibrations = known
     for sample in samples:
         flight.take(sample)
     flight.finish()

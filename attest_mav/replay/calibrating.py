@@ -3,6 +3,7 @@
 from contextlib import suppress
 from typing import TYPE_CHECKING, Final
 
+from attest_mav.filters.calibration import SensorCalibration
 from attest_mav.logs.source import Plan, VehicleSummary
 from attest_mav.replay.flight import Flight
 from attest_mav.replay.north import date_of
@@ -16,16 +17,10 @@ FIRST_UNIX_S: Final = 1e9
 
 
 def calibrate(flight: Flight, plan: Plan, vehicle: VehicleSummary, kept: "KeptCalibrations") -> list[str]:
-    """Let the filters begin with the errors of the sensors by earlier flights; remarks for people.
-
-    Without a date of the flight the errors count as just learned.
-    """
+    """Let the filters begin with the errors of the sensors by earlier flights; remarks for people."""
     if not kept:
         return []
-    from attest_mav.config.calibration import calibrations_of  # noqa: PLC0415  (its library costs 20 ms)
-
-    system, unix_s = plan.vehicle[0], _unix_s(vehicle)
-    known = calibrations_of(kept, system, unix_s)
+    known, system = known_errors(plan, vehicle, kept), plan.vehicle[0]
     for run in flight.runs:
         run.pipeline.vehicle.calibrations = known
     used = [name for name in (plan.imu, *plan.other_sensors) if name in known]
@@ -33,6 +28,18 @@ def calibrate(flight: Flight, plan: Plan, vehicle: VehicleSummary, kept: "KeptCa
         return [f"the calibration has neither {system}/{plan.imu} nor another sensor used here: it has {_list(kept)}"]
     ages = [f"{name} {known[name].age_s / DAY_S:.0f} days old" for name in used]
     return [f"the filter begins with sensor errors of earlier flights: {', '.join(ages)}"]
+
+
+def known_errors(plan: Plan, vehicle: VehicleSummary, kept: "KeptCalibrations") -> dict[str, SensorCalibration]:
+    """The errors of the sensors by earlier flights, by inertial message.
+
+    Without a date of the flight they count as just learned.
+    """
+    if not kept:
+        return {}
+    from attest_mav.config.calibration import calibrations_of  # noqa: PLC0415  (its library costs 20 ms)
+
+    return calibrations_of(kept, plan.vehicle[0], _unix_s(vehicle))
 
 
 def learned(flight: Flight, plan: Plan, vehicle: VehicleSummary) -> "KeptCalibrations":

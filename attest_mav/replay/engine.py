@@ -24,7 +24,7 @@ from attest_mav.logs.source import (
     VehicleSummary,
 )
 from attest_mav.record import Record
-from attest_mav.replay.calibrating import calibrate, learned
+from attest_mav.replay.calibrating import calibrate, known_errors, learned
 from attest_mav.replay.flight import Flight
 from attest_mav.replay.north import LocalNorth, north_of
 from attest_mav.replay.notes import all_notes, choice_notes
@@ -144,6 +144,7 @@ def _smoothed(
         one.parameters,
         window.start_s,
         window.end_s,
+        known_errors(plan, vehicle, request.calibrations).get(plan.imu),
     )
     return smooth(flight)
 

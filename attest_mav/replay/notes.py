@@ -61,10 +61,12 @@ def _unfit_attitudes(vehicle: VehicleSummary, plan: Plan) -> list[str]:
 def _smoothed(flight: Flight) -> list[str]:
     """The error that a smoothed reference may have itself, and the part of the flight that it does not judge."""
     run = flight.smoothed
-    if run is None or not run.is_reference:
+    if run is None:
         return []
+    notes = ["the flight contradicts the calibration: it is smoothed without"] if run.has_refuted else []
+    if not run.is_reference:
+        return notes
     tilt, heading = run.sigmas.tilt(), run.sigmas.heading()
-    notes = []
     if tilt is not None and heading is not None:
         notes.append(
             f"errors are differences from the smoothed attitude, whose own sigma is {tilt.rms:.2f} deg of tilt and "

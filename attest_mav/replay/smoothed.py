@@ -13,6 +13,7 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.estimation.pipeline import PipelineSettings
+from attest_mav.filters.calibration import SensorCalibration
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.logs.source import LogSource, Plan
 from attest_mav.samples import Sample
@@ -57,14 +58,19 @@ class SmoothedAttitudes:
 
 
 class SmoothedFlight:
-    """All of them, in the order of the inertial samples. noise: name of the class of noise.
+    """All of them, in the order of the inertial samples.
 
     read: gives them anew from the beginning, a part of the flight at a time.
     """
 
-    def __init__(self, read: Callable[[], Iterator[SmoothedAttitudes]], north: North, noise: str) -> None:
+    def __init__(
+        self, read: Callable[[], Iterator[SmoothedAttitudes]], north: North, noise: str, has_refuted: bool = False
+    ) -> None:
         self.north: Final = north
         self.noise: Final = noise
+        """Name of the class of noise."""
+        self.has_refuted: Final = has_refuted
+        """Whether the flight contradicts the errors of the sensor by earlier flights; they were then not used."""
         self._read: Final = read
         self.begin()
 
@@ -108,6 +114,7 @@ class FlightToSmooth:
         parameters: FlightParameters,
         start_s: float = 0.0,
         end_s: float = inf,
+        calibration: SensorCalibration | None = None,
     ) -> None:
         self.samples: Final = samples
         """All samples of the vehicle in order of time, to be read once."""
@@ -122,6 +129,8 @@ class FlightToSmooth:
         self.start_s: Final = start_s
         self.end_s: Final = end_s
         """The part that is read, s of log time."""
+        self.calibration: Final = calibration
+        """Errors of the inertial sensor by earlier flights."""
 
 
 Smooth = Callable[[FlightToSmooth], AbstractContextManager[SmoothedFlight | None]]

@@ -20,6 +20,8 @@ class SmoothedRun:
         self.comparison: Final = Comparison(SMOOTHED, reference, sink)
         """Empty where the smoothed attitude is the reference."""
         self.noise: Final = flight.noise
+        self.has_refuted: Final = flight.has_refuted
+        """Whether the flight contradicts the calibration; the smoothed attitude is then made without it."""
         self.is_reference: Final = plan.reference == SMOOTHED
         self.is_sure = True
         """False while its sigma is too large for others to be compared with it."""

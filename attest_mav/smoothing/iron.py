@@ -31,8 +31,6 @@ LARGEST_MISFIT: Final = 0.05
 """1. Share of the readings without it in a recording whose iron is always there."""
 WINDOW_STEP: Final = 1.0
 """rad. Turn from one window to the next."""
-
-
 IRON: Final = np.dtype([("iron", "<f8", 3), ("sigma", "<f8")])
 """A row for each magnetometer reading: gauss, and 1-sigma of an axis of it."""
 SUMS: Final = np.dtype([("turn", "<f8"), ("moments", "<f8", 18)])

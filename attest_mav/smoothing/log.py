@@ -10,6 +10,8 @@ from attest_mav.errors import UnreadableDataError
 from attest_mav.estimation.lane import Lane
 from attest_mav.estimation.pipeline import PipelineSettings
 from attest_mav.estimation.vehicle import Vehicle
+from attest_mav.filters.calibration import SensorCalibration
+from attest_mav.filters.velocity_aided.calibration import at_start
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.logs.source import LogSource
 from attest_mav.replay.log_time import LogTime
@@ -26,13 +28,19 @@ from attest_mav.smoothing.white_noise import with_white_noise
 from attest_mav.vehicle_reports import ParameterSample
 
 
-def smooth(source: LogSource, imu: str | None = None, declination_deg: float | None = None) -> Trajectory:
+def smooth(
+    source: LogSource,
+    imu: str | None = None,
+    declination_deg: float | None = None,
+    calibration: SensorCalibration | None = None,
+) -> Trajectory:
     """Smooth the flight of a log source (``attest_mav.logs.formats.open_source``), in memory.
 
     imu: the inertial message; None to choose it as a replay does. declination_deg: east positive; None to look it up.
+    calibration: errors of the sensor by earlier flights; a flight that contradicts them is smoothed without.
     UnreadableDataError where the log has no inertial message, or no attitude can be found to begin with.
     """
-    flight = flight_of(source, imu, declination_deg)
+    flight = flight_of(source, imu, declination_deg, calibration)
     parts = parts_of(flight, Scratch())
     if parts is None:
         raise UnreadableDataError(
@@ -42,7 +50,12 @@ def smooth(source: LogSource, imu: str | None = None, declination_deg: float | N
     return parts.whole()
 
 
-def flight_of(source: LogSource, imu: str | None = None, declination_deg: float | None = None) -> FlightToSmooth:
+def flight_of(
+    source: LogSource,
+    imu: str | None = None,
+    declination_deg: float | None = None,
+    calibration: SensorCalibration | None = None,
+) -> FlightToSmooth:
     """The flight of a log source, see ``smooth``."""
     summary = source.summary()
     plan = make_plan(summary, imu, None)
@@ -50,7 +63,13 @@ def flight_of(source: LogSource, imu: str | None = None, declination_deg: float 
     one = VelocityAided().with_vehicle_settings(vehicle.settings)
     field = north_of(vehicle, declination_deg).direction
     return FlightToSmooth(
-        samples_of(source, plan), plan.imu, vehicle.opening, field, PipelineSettings(), one.parameters
+        samples_of(source, plan),
+        plan.imu,
+        vehicle.opening,
+        field,
+        PipelineSettings(),
+        one.parameters,
+        calibration=calibration,
     )
 
 
@@ -60,7 +79,7 @@ def smoothed_flight(flight: FlightToSmooth, scratch: Scratch) -> SmoothedFlight 
     scratch: keeps the tables, and is needed until the last attitude is taken.
     """
     parts = parts_of(flight, scratch)
-    return None if parts is None else SmoothedFlight(partial(_runs, parts), parts.north, parts.noise)
+    return None if parts is None else SmoothedFlight(partial(_runs, parts), parts.north, parts.noise, parts.has_refuted)
 
 
 def _runs(parts: SmoothedParts) -> Iterator[SmoothedAttitudes]:
@@ -81,7 +100,8 @@ def parts_of(flight: FlightToSmooth, scratch: Scratch) -> SmoothedParts | None:
 
 def smoothed_parts(recording: Recording, flight: FlightToSmooth) -> SmoothedParts:
     """The smoothed flight by its recording."""
-    return SmoothedParts(recording, with_white_noise(with_wide_priors(flight.parameters), recording))
+    known = None if flight.calibration is None else at_start(flight.calibration, flight.parameters)
+    return SmoothedParts(recording, with_white_noise(with_wide_priors(flight.parameters), recording), known)
 
 
 def recorded(flight: FlightToSmooth, scratch: Scratch) -> Recording | None:

@@ -11,22 +11,27 @@ from typing import Final
 
 import numpy as np
 
+from attest_mav.filters.calibration import SensorCalibration, UncertainVector
+from attest_mav.filters.velocity_aided.calibration import has_left
 from attest_mav.filters.velocity_aided.lags import nominal_fix_lag_s, nominal_mag_lag_s
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.smoothing.backward import NODE, Last, smooth_block
+from attest_mav.smoothing.backward import NODE, Last, smooth_block, smoothed_of
 from attest_mav.smoothing.forward import ForwardPass, empty_block
 from attest_mav.smoothing.iron import first_iron
 from attest_mav.smoothing.measurements import Lags
-from attest_mav.smoothing.model import FIELD_LAG, SIZE, VELOCITY_LAG, State, first_covariance
+from attest_mav.smoothing.model import FIELD_LAG, SIZE, VELOCITY_LAG, A, M, State, first_covariance
 from attest_mav.smoothing.noise import CLASSES, NoiseClass
 from attest_mav.smoothing.parts import Parts
 from attest_mav.smoothing.problems import Problems
+from attest_mav.smoothing.readings import Recording
 from attest_mav.smoothing.selection import median
 from attest_mav.smoothing.starts import Starts
 from attest_mav.smoothing.tables import Table
 
 PASSES: Final = 2
 """Backward passes."""
+Begun = tuple[tuple[slice, UncertainVector], ...]
+"""Errors that earlier flights have shown, each with its place in the state."""
 
 
 @dataclass(frozen=True)
@@ -37,22 +42,30 @@ class Result:
     """The states at the nodes."""
     problems: Problems
     noise: NoiseClass
+    has_refuted: bool
+    """Whether the flight contradicts what was known of the sensor, which then was not used."""
 
 
 class Smoother:
     """The passes over one flight."""
 
-    def __init__(self, parts: Parts, parameters: FlightParameters) -> None:
+    def __init__(self, parts: Parts, parameters: FlightParameters, known: SensorCalibration | None = None) -> None:
+        """known: errors of the sensor by earlier flights, at the start of this one; None for those of any sensor."""
         self._parts: Final = parts
         self._recording: Final = parts.recording
         self._parameters: Final = parameters
         self._starts: Final = Starts(parts, parameters)
         self._iron: Final = first_iron(parts.recording, parameters)
+        self._begun = () if known is None else _begun_with(known, parts.recording)
+        self._has_refuted = False
         self._noises: tuple[NoiseClass, ...] = CLASSES
 
     def result(self) -> Result:
         """Smooth."""
         result = self._pass(self._own_lags(), None)
+        if _is_refuted(result.smoothed, self._begun):
+            self._begun, self._has_refuted, self._noises = (), True, CLASSES
+            result = self._pass(self._own_lags(), None)
         for _ in range(1, PASSES):
             result = self._pass(_lags_of(result.smoothed), result.smoothed)
         return result
@@ -70,6 +83,8 @@ class Smoother:
         lags = self._own_lags()
         x[:, FIELD_LAG], x[:, VELOCITY_LAG] = lags.field_s, lags.fix_s
         p = first_covariance(isfinite(self._recording.declination), self._parameters)
+        for place, error in self._begun:
+            x[:, place], p[place, place] = error.mean, error.covariance
         p[:6, :6] = restart.covariance
         none = np.zeros(classes)
         attitude = np.tile(restart.attitude, (classes, 1, 1))
@@ -99,7 +114,22 @@ class Smoother:
             rows, last = smooth_block(block, chosen, last)
             del block
             smoothed.write(self._parts.first(number), rows)
-        return Result(smoothed, problems, self._noises[0])
+        return Result(smoothed, problems, self._noises[0], self._has_refuted)
+
+
+def _begun_with(known: SensorCalibration, recording: Recording) -> Begun:
+    """The errors to begin with. In place the regression has taken the iron off the readings."""
+    accel, iron = (A, known.accel_bias), (M, known.hard_iron)
+    return (accel,) if recording.in_place else (accel, iron)
+
+
+def _is_refuted(smoothed: Table, begun: Begun) -> bool:
+    """Whether the first of the smoothed states contradicts the errors that it began with."""
+    first = smoothed_of(smoothed.rows(0, 1))
+    return any(
+        has_left(tuple(first.x[0, place].tolist()), np.diag(first.spread[0, place]).tolist(), error)
+        for place, error in begun
+    )
 
 
 def _lags_of(smoothed: Table) -> Lags:

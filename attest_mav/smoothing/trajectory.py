@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from attest_mav.filters.calibration import SensorCalibration
 from attest_mav.filters.velocity_aided.lags import LowPassDelay, low_pass_delay_by
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.smoothing.backward import Smoothed, smoothed_of
@@ -61,15 +62,26 @@ class Trajectory(SmoothedSamples):
 class SmoothedParts:
     """A smoothed flight, whose attitudes at the samples are computed part by part when they are asked for."""
 
-    def __init__(self, recording: Recording, parameters: FlightParameters, intervals: int = INTERVALS) -> None:
-        """parameters: of the live filter, with the vehicle's settings in them. intervals: of a part."""
+    def __init__(
+        self,
+        recording: Recording,
+        parameters: FlightParameters,
+        known: SensorCalibration | None = None,
+        intervals: int = INTERVALS,
+    ) -> None:
+        """parameters: of the live filter, with the vehicle's settings in them. intervals: of a part.
+
+        known: errors of the sensor by earlier flights, at the start of this one; None for those of any sensor.
+        """
         self._parts: Final = Parts(recording, parameters, intervals)
-        self._result: Final = Smoother(self._parts, parameters).result()
+        self._result: Final = Smoother(self._parts, parameters, known).result()
         self._parameters: Final = parameters
         self.north: Final = North.TRUE if isfinite(recording.declination) else North.MAGNETIC
         """The north that headings refer to."""
         self.noise: Final = self._result.noise.name
         """The class of measurement noise under which the flight is most likely."""
+        self.has_refuted: Final = self._result.has_refuted
+        """Whether the flight contradicts what was known of the sensor, which then was not used."""
 
     def __iter__(self) -> Iterator[SmoothedSamples]:
         delay = self._low_pass_delay()

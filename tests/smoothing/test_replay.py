@@ -7,7 +7,9 @@ from pathlib import Path
 import pytest
 
 from attest_mav.cli.smoothing import smoothed
+from attest_mav.config.calibration import kept_calibration
 from attest_mav.errors import UnreadableDataError
+from attest_mav.filters.calibration import SensorCalibration, UncertainVector
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
@@ -61,6 +63,27 @@ def test_where_its_sigma_is_large_it_says_so_and_judges_nothing():
     assert result["filters"][0]["samples"] == 0
     assert result["reference"]["sigma"]["unsure"] > 900
     assert any("sigma is above 1 deg of tilt" in note for note in result["notes"])
+
+
+def kept(z_bias):
+    """A calibration of the accelerometer to 4 mg, the iron as it is for any sensor."""
+    sigmas = tuple(tuple(0.0016 * (row == column) for column in range(3)) for row in range(3))
+    iron = UncertainVector(
+        (0.0, 0.0, 0.0), tuple(tuple(1e-4 * (row == column) for column in range(3)) for row in range(3))
+    )
+    return {"1/RAW_IMU": kept_calibration(SensorCalibration(UncertainVector((0.0, 0.0, z_bias), sigmas), iron), None)}
+
+
+def test_with_a_calibration_it_is_sure_from_the_beginning():
+    result = report(reference="smoothed", calibrations=kept(0.0))
+    assert result["filters"][0]["samples"] > 900
+    assert not any("smoothed without" in note for note in result["notes"])
+
+
+def test_a_calibration_that_the_flight_contradicts_is_not_used_and_a_note_says_so():
+    result = report(reference="smoothed", calibrations=kept(1.0))
+    assert result["filters"][0]["samples"] == 0
+    assert "the flight contradicts the calibration: it is smoothed without" in result["notes"]
 
 
 def test_its_rows_are_in_the_table_and_in_the_annotated_log():

@@ -73,7 +73,7 @@ def at_start(known: SensorCalibration, parameters: FlightParameters) -> SensorCa
 def is_refuted(nav: NavigationState, begun: SensorCalibration) -> bool:
     """Whether the state contradicts the errors that it began with."""
     p = nav.covariance
-    return _has_left(nav.accel_bias, p.aa, begun.accel_bias) or _has_left(nav.hard_iron, p.mm, begun.hard_iron)
+    return has_left(nav.accel_bias, p.aa, begun.accel_bias) or has_left(nav.hard_iron, p.mm, begun.hard_iron)
 
 
 def without(nav: NavigationState, parameters: FlightParameters) -> NavigationState:
@@ -106,7 +106,7 @@ def _wandered(known: UncertainVector, share: float, unknown_sigma: float) -> Unc
     return UncertainVector((factor * x, factor * y, factor * z), covariance)
 
 
-def _has_left(now: Vec3, covariance: Mat3, begun: UncertainVector) -> bool:
+def has_left(now: Vec3, covariance: Mat3, begun: UncertainVector) -> bool:
     """Whether an estimate has moved further from its beginning than chance and its own sigma then explain."""
     return any(
         _moved_too_far(now[axis] - begun.mean[axis], begun.covariance[axis][axis], covariance[axis][axis])
