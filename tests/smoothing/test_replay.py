@@ -1,6 +1,7 @@
 """The smoothed attitude in a replay, on a recorded flight of 20 s: as the reference, and beside the truth."""
 
 import csv
+import tempfile
 from io import BytesIO, StringIO
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import pytest
 
 from attest_mav.cli.smoothing import smoothed
 from attest_mav.config.calibration import kept_calibration
-from attest_mav.errors import UnreadableDataError
+from attest_mav.errors import UnreadableDataError, UnwritableError
 from attest_mav.filters.calibration import SensorCalibration, UncertainVector
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.velocity_aided.filter import VelocityAided
@@ -20,6 +21,7 @@ from attest_mav.replay.report import as_json
 from attest_mav.replay.request import Outputs, Request, Window
 from attest_mav.replay.smoothed import SmoothedAttitude
 from attest_mav.replay.table_rows import TableRows
+from attest_mav.runtime import scratch
 from attest_mav.smoothing.log import smooth
 
 LAPS = (Path(__file__).parents[1] / "data" / "copter_square_laps.tlog").read_bytes()
@@ -100,6 +102,13 @@ def test_a_log_too_short_for_an_attitude_is_refused_in_words():
     request = Request(QUICK, reference="smoothed", window=Window(end_s=0.1, skip_s=0.0), smooth=smoothed)
     with pytest.raises(UnreadableDataError, match="no attitude that the smoother could begin with"):
         replay(open_source(LAPS, "laps"), request, Outputs())
+
+
+def test_a_flight_that_finds_no_room_on_the_disk_is_refused_in_words(monkeypatch, tmp_path):
+    monkeypatch.setattr(scratch, "MEMORY_BYTES", 1000)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "none"))
+    with pytest.raises(UnwritableError, match=r"cannot keep a long flight in a temporary file in .*none"):
+        report(reference="smoothed")
 
 
 def test_python_has_the_same_attitude():
