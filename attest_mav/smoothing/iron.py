@@ -113,12 +113,13 @@ class _Strengths:
             _vector(sums[14:17]),
             float(sums[17]),
             heading_sigma=0.0,
+            supposed=(0.0, 0.0, 0.0),
             has_replaced=False,
         )
 
     def _shown(self, fit: IronFit) -> FittedIron | None:
         """The iron by a fit; None where it is within what calibration leaves, or does not explain the strength."""
-        found = fitted(fit, (0.0, 0.0, 0.0))
+        found = fitted(fit)
         known = fit.strength**2 * np.array(found.covariance) + self._parameters.hard_iron**2 * np.eye(3)
         iron = fit.strength * np.array(found.iron)
         is_far = iron @ np.linalg.solve(known, iron) > SIGNIFICANT

@@ -39,7 +39,7 @@ LONGEST_S: Final = 0.5
 TURNING_RATE: Final = 0.1
 """rad/s: a body that turns more slowly shows nothing new of the iron."""
 SIGNIFICANT: Final = 16.0
-"""1. Squared distance, in sigmas, from the estimated iron beyond which the fitted one takes its place."""
+"""1. Squared distance, in sigmas, from the supposed iron beyond which the fitted one takes the estimate's place."""
 LARGEST_UNEXPLAINED: Final = 0.25
 """1. Of the strength's variance an iron leaves no more. One that comes or goes leaves most of it, and so does a magnet
 that the body moves about."""
@@ -65,6 +65,7 @@ class IronFit(Record):
         sum_uy: Vec3,
         sum_yy: float,
         heading_sigma: float,
+        supposed: Vec3,
         has_replaced: bool,
     ) -> None:
         self.first: Final = first
@@ -83,6 +84,9 @@ class IronFit(Record):
         """The same of y^2."""
         self.heading_sigma: Final = heading_sigma
         """1-sigma of the heading for an iron that turning has not shown, rad."""
+        self.supposed: Final = supposed
+        """The iron that the fit is held against, gauss: the estimate before the first turn, then the fit that took its
+        place. The estimate itself is none to test: it follows the heading alone, and takes up a part of any iron."""
         self.has_replaced: Final = has_replaced
         """Whether the fitted iron has taken the place of the estimated one before."""
 
@@ -91,8 +95,8 @@ class IronFit(Record):
         """Of the first reading, gauss."""
         return norm(self.first)
 
-    def judged(self, heading_sigma: float, has_replaced: bool) -> "IronFit":
-        """The same moments with what follows from them."""
+    def judged(self, heading_sigma: float, taken: Vec3 | None) -> "IronFit":
+        """The same moments with what follows from them. taken: the iron that has taken the estimated one's place."""
         return IronFit(
             self.first,
             self.turned,
@@ -102,7 +106,8 @@ class IronFit(Record):
             self.sum_uy,
             self.sum_yy,
             heading_sigma,
-            has_replaced,
+            self.supposed if taken is None else taken,
+            self.has_replaced or taken is not None,
         )
 
     def with_reading(self, field: Vec3, turn: float) -> "IronFit":
@@ -119,6 +124,7 @@ class IronFit(Record):
             add(scale(self.sum_uy, keep), scale(u, turn * y)),
             keep * self.sum_yy + turn * y * y,
             self.heading_sigma,
+            self.supposed,
             self.has_replaced,
         )
 
@@ -133,20 +139,17 @@ class FittedIron(Record):
         self.strength: Final = strength
         """Of the field without the iron."""
         self.unexplained: Final = unexplained
-        """The variance of the strength that it leaves, as a share of that which the iron so far leaves."""
+        """The variance of the strength that it leaves, as a share of that which the supposed one leaves."""
 
 
-def new_fit(field: Vec3) -> IronFit:
-    """The fit before the first turn. field: a reading, gauss."""
+def new_fit(field: Vec3, supposed: Vec3) -> IronFit:
+    """The fit before the first turn. field: a reading; supposed: the iron by calibration; gauss."""
     zero: Vec3 = (0.0, 0.0, 0.0)
-    return IronFit(field, 0.0, zero, 0.0, (zero, zero, zero), zero, 0.0, 0.0, has_replaced=False)
+    return IronFit(field, 0.0, zero, 0.0, (zero, zero, zero), zero, 0.0, 0.0, supposed, has_replaced=False)
 
 
-def fitted(fit: IronFit, so_far: Vec3) -> FittedIron:
-    """The iron by the fit, beside the one so far (a share of its unit).
-
-    It is fitted twice, for the noise is what the first iron leaves.
-    """
+def fitted(fit: IronFit) -> FittedIron:
+    """The iron by the fit. It is fitted twice, for the noise is what the first iron leaves."""
     weight = max(fit.turned, 1e-9)
     mean_u, mean_y = scale(fit.sum_u, 1.0 / weight), fit.sum_y / weight
     scatter = minus_outer(fit.sum_uu, mean_u, fit.sum_u)
@@ -159,8 +162,8 @@ def fitted(fit: IronFit, so_far: Vec3) -> FittedIron:
     iron = mat_vec(covariance, scale(slope, 1.0 / (variance * ALIKE_TURN)))
     # c = (F^2 - 1 - |b|^2) / 2, with the strength F.
     strength_square = 1.0 + dot(iron, iron) + 2.0 * (mean_y - dot(mean_u, iron))
-    left_so_far = _left(spread, slope, scatter, so_far)
-    unexplained = left / left_so_far if left_so_far > 0.0 else 1.0
+    left_before = _left(spread, slope, scatter, scale(fit.supposed, 1.0 / fit.strength))
+    unexplained = left / left_before if left_before > 0.0 else 1.0
     return FittedIron(iron, covariance, sqrt(max(strength_square, 0.0)), unexplained)
 
 
@@ -185,19 +188,28 @@ def watch_iron(
 ) -> tuple[NavigationState, Magnetometer, IronFit]:
     """State, magnetometer's memory and fit after a reading in place (``field``, gauss)."""
     if parameters.hard_iron <= 0.0:
-        return nav, magnetometer, new_fit(field)
-    before = new_fit(field) if fit is None else fit
+        return nav, magnetometer, new_fit(field, nav.hard_iron)
+    before = new_fit(field, nav.hard_iron) if fit is None else fit
     turn = levelled.rate * min(since_s, LONGEST_S)
     after = before.with_reading(field, turn) if levelled.rate > TURNING_RATE else before
-    found = fitted(after, scale(nav.hard_iron, 1.0 / after.strength))
-    off = sub(scale(found.iron, after.strength), nav.hard_iron)
-    known = add_diagonal(mat_scale(found.covariance, square(after.strength)), square(parameters.hard_iron))
-    is_far = levelled.rate > TURNING_RATE and quadratic(inverse(known), off) > SIGNIFICANT
-    is_news = is_far and found.unexplained < LARGEST_UNEXPLAINED
-    judged = after.judged(_heading_sigma(after, found, off, levelled), before.has_replaced or is_news)
-    if not is_news:
-        return nav, magnetometer, judged
-    return _with_iron(nav, before, found, parameters), magnetometer.without_field(parameters), judged
+    found = fitted(after)
+    iron = scale(found.iron, after.strength)
+    heading_sigma = _heading_sigma(after, found, sub(iron, nav.hard_iron), levelled)
+    if not (levelled.rate > TURNING_RATE and _is_news(after, found, iron, parameters)):
+        return nav, magnetometer, after.judged(heading_sigma, None)
+    return (
+        _with_iron(nav, before, found, parameters),
+        magnetometer.without_field(parameters),
+        after.judged(heading_sigma, iron),
+    )
+
+
+def _is_news(fit: IronFit, found: FittedIron, iron: Vec3, parameters: FlightParameters) -> bool:
+    """Whether the fitted iron (gauss) is far beyond what is supposed, and explains the strength."""
+    covariance = mat_scale(found.covariance, square(fit.strength))
+    known = add_diagonal(covariance, square(parameters.hard_iron))
+    is_far = quadratic(inverse(known), sub(iron, fit.supposed)) > SIGNIFICANT
+    return is_far and found.unexplained < LARGEST_UNEXPLAINED
 
 
 def _heading_sigma(fit: IronFit, found: FittedIron, off: Vec3, levelled: LevelledField) -> float:
