@@ -75,6 +75,20 @@ def test_a_level_turn_shows_the_level_iron(flown):
     assert rms(heading[TURN_BEGINS + round(10.0 * RATE_HZ) :]) < 3.0
 
 
+def test_a_new_alignment_begins_a_field_of_its_own(hand, telemetry):
+    """Its heading is another one, and what turning has shown of the iron stays."""
+    flight = telemetry(hand, rate_hz=RATE_HZ, integer=False, hard_iron=(QUARTER, 0.0, 0.0), mag_noise=2e-3)
+    del flight.samples[1500:1600], flight.truth[1500:1600]
+    flight.inputs = [FilterInputs(declination=DECLINATION) for _ in flight.samples]
+    states = flight.run(last=1900)
+    before = states[1499].navigation.iron
+    first = next(state for state in states[1500:] if state.aligned).navigation
+    assert before.moments.turned > 1.0
+    assert first.iron.moments.turned < 0.1  # rad: of the first reading
+    assert first.iron.regression().weight == pytest.approx(before.regression().weight, rel=0.01)
+    assert states[-1].navigation.estimate.hard_iron == pytest.approx((QUARTER, 0.0, 0.0), abs=0.01)
+
+
 def test_sigma_tells_what_a_level_turn_does_not_show(flown):
     """Of the iron along the axis of the turn nothing is seen, and before the first turn nothing at all."""
     for direction in DIRECTIONS[::2]:
