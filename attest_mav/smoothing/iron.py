@@ -12,17 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from attest_mav.filters.velocity_aided.aids.iron_fit import (
-    FIELD_NOISE,
+    LARGEST_UNEXPLAINED,
     LONGEST_S,
     MEMORY_TURN,
+    SIGNIFICANT,
     TURNING_RATE,
-    Regression,
-    fitted,
 )
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.matrices import trace
 from attest_mav.smoothing.readings import Recording
 from attest_mav.smoothing.rotations import Array
+from attest_mav.smoothing.strength_fit import FIELD_NOISE, FittedIron, StrengthFit, fitted
 from attest_mav.types import Vec3
 
 LARGEST_MISFIT: Final = 0.05
@@ -39,17 +38,6 @@ class Iron:
     """For each inertial sample what its magnetometer reading is corrected by."""
     uncertainty: Array
     """1-sigma of an axis of that, beyond what calibration leaves."""
-
-
-@dataclass(frozen=True)
-class _ShownIron:
-    """Iron by the strength of the field, as shares of the first reading's."""
-
-    iron: Array
-    sigma: float
-    """1-sigma of an axis."""
-    strength: float
-    """Of the field without the iron."""
 
 
 def no_iron(readings: Recording) -> Iron:
@@ -73,8 +61,8 @@ class _Strengths:
         rate = np.sqrt((readings.gyro[rows] ** 2).sum(axis=1))
         since_s = np.diff(readings.t_s[rows], prepend=readings.t_s[rows[:1]])
         self._readings, self._rows, self._parameters = readings, rows, parameters
-        self._unit = float(np.sqrt((field[0] ** 2).sum()))
-        self._u = field / self._unit
+        self._first = field[0]
+        self._u = field / np.sqrt((field[0] ** 2).sum())
         self._turns: NDArray[np.bool_] = rate > TURNING_RATE
         self._turn = np.where(self._turns, rate * np.minimum(since_s, LONGEST_S), 0.0)
         y = 0.5 * ((self._u**2).sum(axis=1) - 1.0)
@@ -84,10 +72,11 @@ class _Strengths:
 
     def iron(self) -> Iron:
         """That of the whole recording, or else that of each part of it."""
-        whole = self._shown(0, len(self._rows))
+        fit = self._fit(0, len(self._rows))
+        whole = self._shown(fit)
         if whole is not None and self._misfit(whole) < LARGEST_MISFIT:
-            iron = np.tile(self._unit * whole.iron, (len(self._rows), 1))
-            return self._placed(iron, np.full(len(self._rows), self._unit * whole.sigma))
+            iron = np.tile(fit.strength * np.array(whole.iron), (len(self._rows), 1))
+            return self._placed(iron, np.full(len(self._rows), self._sigma(fit, whole)))
         return self._in_parts()
 
     def _in_parts(self) -> Iron:
@@ -97,50 +86,54 @@ class _Strengths:
         for begin in np.arange(0.0, turned[-1], WINDOW_STEP):
             middle = begin + 0.5 * WINDOW_STEP
             low, high = np.searchsorted(turned, (middle - 0.5 * MEMORY_TURN, middle + 0.5 * MEMORY_TURN))
-            found = self._shown(int(low), int(high))
+            fit = self._fit(int(low), int(high))
+            found = self._shown(fit)
             if found is None:
                 continue
             here = np.zeros_like(self._turns)
             here[np.searchsorted(turned, begin) : np.searchsorted(turned, begin + WINDOW_STEP, side="right")] = True
             here &= self._turns | self._has(found)
-            iron[here] = self._unit * found.iron
-            sigma[here] = self._unit * found.sigma
+            iron[here] = fit.strength * np.array(found.iron)
+            sigma[here] = self._sigma(fit, found)
         return self._placed(iron, sigma)
 
-    def _shown(self, first: int, end: int) -> _ShownIron | None:
-        """The iron by a part of the readings.
-
-        None where it is within what calibration leaves, or does not explain the strength.
-        """
+    def _fit(self, first: int, end: int) -> StrengthFit:
+        """The moments of a part of the readings."""
         sums = self._moments[end] - self._moments[first]
-        turned, sum_u, sum_y, sum_uu, sum_uy, sum_yy = np.split(sums, (1, 4, 5, 14, 17))
-        weight = max(float(turned[0]), 1e-9)
-        mean_u, mean_y = sum_u / weight, float(sum_y[0]) / weight
-        x, y, z = (sum_uu.reshape(3, 3) - np.outer(mean_u, sum_u)).tolist()
-        slope = _vector(sum_uy - mean_y * sum_u)
-        spread = float(sum_yy[0]) - mean_y * float(sum_y[0])
-        regression = Regression(weight, (tuple(x), tuple(y), tuple(z)), slope, spread)
-        found, none = fitted(regression), (0.0, 0.0, 0.0)
-        if not found.is_news(regression, none, none, self._parameters.hard_iron / self._unit):
-            return None
-        iron = np.array(found.iron)
-        # c = (F^2 - 1 - |b|^2) / 2, with the strength F.
-        strength_square = 1.0 + float(iron @ iron) + 2.0 * (mean_y - float(mean_u @ iron))
-        return _ShownIron(
-            iron, float(np.sqrt(trace(found.covariance) / 3.0)), float(np.sqrt(max(strength_square, 0.0)))
+        matrix = (_vector(sums[5:8]), _vector(sums[8:11]), _vector(sums[11:14]))
+        return StrengthFit(
+            _vector(self._first),
+            float(sums[0]),
+            _vector(sums[1:4]),
+            float(sums[4]),
+            matrix,
+            _vector(sums[14:17]),
+            float(sums[17]),
         )
 
-    def _misfit(self, found: _ShownIron) -> float:
+    def _shown(self, fit: StrengthFit) -> FittedIron | None:
+        """The iron by a fit; None where it is within what calibration leaves, or does not explain the strength."""
+        found = fitted(fit)
+        known = fit.strength**2 * np.array(found.covariance) + self._parameters.hard_iron**2 * np.eye(3)
+        iron = fit.strength * np.array(found.iron)
+        is_far = iron @ np.linalg.solve(known, iron) > SIGNIFICANT
+        return found if is_far and found.unexplained < LARGEST_UNEXPLAINED else None
+
+    def _misfit(self, found: FittedIron) -> float:
         """Share of all readings, at rest too, whose strength is not that of the field with the iron in it."""
         off = np.sqrt(((self._u - found.iron) ** 2).sum(axis=1)) - found.strength
         return float(np.mean(np.abs(off) > 2.0 * FIELD_NOISE))
 
-    def _has(self, found: _ShownIron) -> NDArray[np.bool_]:
+    def _has(self, found: FittedIron) -> NDArray[np.bool_]:
         """For each reading whether its strength is that of the field with the iron in it."""
         with_iron = np.sqrt(((self._u - found.iron) ** 2).sum(axis=1))
         without = np.sqrt((self._u**2).sum(axis=1))
         out: NDArray[np.bool_] = np.abs(with_iron - found.strength) < np.abs(without - found.strength)
         return out
+
+    def _sigma(self, fit: StrengthFit, found: FittedIron) -> float:
+        """1-sigma of an axis, gauss."""
+        return fit.strength * float(np.sqrt(np.trace(np.array(found.covariance)) / 3.0))
 
     def _placed(self, iron: Array, sigma: Array) -> Iron:
         """Values of the magnetometer's readings at the inertial samples."""

@@ -18,6 +18,7 @@ from attest_mav.algebra import dot, heading_between, hypotenuse, norm, q_heading
 from attest_mav.filters.velocity_aided.aids.field import LevelledField
 from attest_mav.filters.velocity_aided.aids.iron_fit import (
     EQUATIONS,
+    FIELD_NOISE,
     LONGEST_S,
     MEMORY_TURN,
     TURNING_RATE,
@@ -169,7 +170,7 @@ def watch_iron(
     if parameters.hard_iron <= 0.0:
         return nav, magnetometer, fit
     after = fit.with_reading(levelled, since_s)
-    found = fitted(after.regression())
+    found = fitted(after.regression(), FIELD_NOISE)
     iron = scale(found.iron, after.strength)
     heading_sigma = _heading_sigma(after, found, sub(iron, nav.hard_iron), levelled)
     corrected = heading_between(nav.q_nb, q_before)

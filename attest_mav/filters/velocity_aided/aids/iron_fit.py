@@ -8,9 +8,6 @@ they are linear in both:
 Of W = sum w, S_C = sum w C, S_u = sum w u and S_e = sum w C u, with the turns w as weights, f is eliminated:
 
     (W I - S_C^T S_C / W) b = S_u - S_C^T S_e / W.
-
-Where no attitudes are known, the strength alone is linear in the iron, too: (|u|^2 - 1) / 2 = u . b + c. (Ellipsoid
-fitting: Gebre-Egziabher et al., Journal of Aerospace Engineering 19, 2006.)
 """
 
 from typing import Final
@@ -144,9 +141,12 @@ def no_moments() -> VectorMoments:
     return VectorMoments(0.0, zero, zero, (zero, zero, zero), 0.0)
 
 
-def fitted(regression: Regression) -> FittedIron:
-    """The iron by the normal equations. It is fitted twice, for the noise is what the first iron leaves."""
-    least = square(FIELD_NOISE)
+def fitted(regression: Regression, least_noise: float) -> FittedIron:
+    """The iron by the normal equations. It is fitted twice, for the noise is what the first iron leaves, at least this.
+
+    least_noise: 1-sigma of a reading, share of the field.
+    """
+    least = square(least_noise)
     first = mat_vec(_covariance(regression, least), scale(regression.slope, 1.0 / (least * ALIKE_TURN)))
     variance = max(least, regression.left(first) / max(regression.weight, 1e-9))
     covariance = _covariance(regression, variance)
