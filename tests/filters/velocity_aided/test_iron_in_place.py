@@ -5,12 +5,12 @@ from math import radians
 import numpy as np
 import pytest
 
-from attest_mav.algebra import q_from_euler
+from attest_mav.algebra import q_from_euler, q_to_matrix
 from attest_mav.filters.base import FilterInputs
 from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 
-from .conftest import DECLINATION, FINE_S, Motion, rms
+from .conftest import DECLINATION, FIELD, FINE_S, Motion, rms
 
 RATE_HZ = 50.0
 TURN_BEGINS = round(5.0 * RATE_HZ)
@@ -73,6 +73,17 @@ def test_a_level_turn_shows_the_level_iron(flown):
     found = states[-1].navigation.estimate.hard_iron
     assert found[:2] == pytest.approx(tuple(QUARTER * x for x in DIRECTIONS[2][:2]), abs=0.01)
     assert rms(heading[TURN_BEGINS + round(10.0 * RATE_HZ) :]) < 3.0
+
+
+def test_iron_that_turns_the_heading_round(hand, flown):
+    """Half as large again as the level field and against it: the first heading is the opposite one."""
+    first = q_to_matrix(tuple(hand.q[0]))
+    level = np.array(first).T @ (FIELD[0], FIELD[1], 0.0)
+    heading, sigma, _ = flown(hand, tuple((-1.5 * level).tolist()))
+    assert abs(heading[TURN_BEGINS - 50]) > 170.0
+    late = TURN_BEGINS + round(10.0 * RATE_HZ)
+    assert rms(heading[late:]) < 6.0
+    assert np.mean(np.abs(heading[late:]) < 3.0 * sigma[late:]) > 0.99
 
 
 def test_a_new_alignment_begins_a_field_of_its_own(hand, telemetry):

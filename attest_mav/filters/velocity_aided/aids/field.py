@@ -30,7 +30,14 @@ class LevelledField(Record):
     """One reading, turned into NED by the attitude at its time and freed of hard iron."""
 
     def __init__(
-        self, measurement: Measurement, direction: Vec3, strength: float, rate: float, reading: Vec3, attitude: Mat3
+        self,
+        measurement: Measurement,
+        direction: Vec3,
+        strength: float,
+        rate: float,
+        reading: Vec3,
+        attitude: Mat3,
+        north: float,
     ) -> None:
         self.measurement: Final = measurement
         """The component along magnetic east as a share of the strength, with its sign changed; zero in truth."""
@@ -44,6 +51,8 @@ class LevelledField(Record):
         """The reading itself, body, gauss."""
         self.attitude: Final = attitude
         """C at its time."""
+        self.north: Final = north
+        """Magnetic north east of true north, rad."""
 
 
 def levelled_field(nav: NavigationState, field: Vec3, rate: Vec3, declination: float) -> LevelledField:
@@ -61,7 +70,7 @@ def levelled_field(nav: NavigationState, field: Vec3, rate: Vec3, declination: f
         m=scale(mat_t_vec(then, east), -1.0 / strength),
         d=(-dot(east, lag), 0.0, -(cos(north) * direction[0] + sin(north) * direction[1])),
     )
-    return LevelledField(measurement, direction, strength, norm(rate), field, then)
+    return LevelledField(measurement, direction, strength, norm(rate), field, then, north)
 
 
 def _attitude_then(nav: NavigationState, rate: Vec3) -> Mat3:

@@ -9,12 +9,23 @@ The regression gives the iron and its covariance; only turning adds to them. The
 sigma, and an iron far beyond what calibration leaves takes the place of the estimated one.
 """
 
-from math import sqrt
+from math import atan2, sqrt
 from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import dot, heading_between, hypotenuse, norm, q_heading, q_to_matrix, scale, square, sub
+from attest_mav.algebra import (
+    dot,
+    heading_between,
+    hypotenuse,
+    norm,
+    q_heading,
+    q_to_matrix,
+    scale,
+    square,
+    sub,
+    wrap_pi,
+)
 from attest_mav.filters.velocity_aided.aids.field import LevelledField
 from attest_mav.filters.velocity_aided.aids.iron_fit import (
     EQUATIONS,
@@ -41,6 +52,8 @@ GYRO_HEADING_S: Final = 60.0
 """s. For so long the gyro alone keeps a heading to some degrees."""
 LOST_HEADING: Final = 0.35
 """rad. 1-sigma of a heading that a wrong iron has made."""
+FAR_HEADING: Final = 1.0
+"""rad. A reading that differs by more turns the heading too little, and beyond half a turn the wrong way."""
 STRENGTH_MARGIN: Final = 0.07
 """Share of the field. A first reading that fits better by less proves nothing: two strengths, each with its noise."""
 LEAST_LEVEL: Final = 0.05
@@ -118,6 +131,10 @@ class IronFit(Record):
         """The fit whose next readings are in a field of their own: the heading is another one, or has drifted."""
         return self._with(no_moments(), self.regression(), 0.0, 0.0)
 
+    def corrected_by(self, heading: float) -> "IronFit":
+        """The fit after the heading has been turned by this angle, rad, and not by the gyro."""
+        return self._with(self.moments, self.earlier, self.age_s, self.corrected + heading)
+
     def _with(self, moments: VectorMoments, earlier: Regression, age_s: float, corrected: float) -> "IronFit":
         return IronFit(
             self.first,
@@ -131,17 +148,14 @@ class IronFit(Record):
             self.has_replaced,
         )
 
-    def judged(self, corrected: float, heading_sigma: float, taken: Vec3 | None) -> "IronFit":
-        """The same regression with what follows from it, the heading being corrected once more.
-
-        taken: the iron that has taken the estimated one's place.
-        """
+    def judged(self, heading_sigma: float, taken: Vec3 | None) -> "IronFit":
+        """The same regression with what follows from it. taken: the iron that takes the estimated one's place."""
         return IronFit(
             self.first,
             self.moments,
             self.earlier,
             self.age_s,
-            self.corrected + corrected,
+            self.corrected,
             heading_sigma,
             self.calibrated,
             self.supposed if taken is None else taken,
@@ -169,18 +183,15 @@ def watch_iron(
         fit = new_fit(levelled.reading, nav.hard_iron)
     if parameters.hard_iron <= 0.0:
         return nav, magnetometer, fit
-    after = fit.with_reading(levelled, since_s)
+    after = fit.with_reading(levelled, since_s).corrected_by(heading_between(nav.q_nb, q_before))
     found = fitted(after.regression(), FIELD_NOISE)
     iron = scale(found.iron, after.strength)
     heading_sigma = _heading_sigma(after, found, sub(iron, nav.hard_iron), levelled)
-    corrected = heading_between(nav.q_nb, q_before)
     if not (levelled.rate > TURNING_RATE and after.is_news(found, parameters)):
-        return nav, magnetometer, after.judged(corrected, heading_sigma, None)
-    return (
-        _with_iron(nav, after, found, parameters),
-        magnetometer.without_field(parameters),
-        after.judged(corrected, heading_sigma, iron),
-    )
+        return nav, magnetometer, after.judged(heading_sigma, None)
+    changed = _with_iron(nav, after, found, levelled.north, parameters)
+    judged = after.corrected_by(heading_between(changed.q_nb, nav.q_nb)).judged(heading_sigma, iron)
+    return changed, magnetometer.without_field(parameters), judged
 
 
 def _heading_sigma(fit: IronFit, found: FittedIron, off: Vec3, levelled: LevelledField) -> float:
@@ -191,15 +202,24 @@ def _heading_sigma(fit: IronFit, found: FittedIron, off: Vec3, levelled: Levelle
     return sqrt(unseen + square(dot(measurement.m, off))) / level
 
 
-def _with_iron(nav: NavigationState, fit: IronFit, found: FittedIron, parameters: FlightParameters) -> NavigationState:
-    """The state with the fitted iron. A heading and a lag that were made with another one are uncertain."""
+def _with_iron(
+    nav: NavigationState, fit: IronFit, found: FittedIron, north: float, parameters: FlightParameters
+) -> NavigationState:
+    """The state with the fitted iron.
+
+    A heading that was made with another one is lost, and the field without it shows the new one; so is the lag.
+    """
     covariance = mat_scale(found.covariance, square(fit.strength))
     apart = decoupled(nav.covariance, ErrorBlock.HARD_IRON, covariance)
     nav = nav.with_hard_iron(scale(found.iron, fit.strength), apart)
-    if fit.has_replaced or not _was_there(fit, found):
+    field = fit.moments.field(found.iron)
+    off = wrap_pi(north - atan2(field[1], field[0]) - fit.corrected)
+    is_lost = not fit.has_replaced and _was_there(fit, found)
+    if is_lost:
+        nav = nav.with_mag_lag(nominal_mag_lag_s(parameters), mag_lag_variance(parameters))
+    if not is_lost and abs(off) < FAR_HEADING:
         return nav
-    nav = nav.with_mag_lag(nominal_mag_lag_s(parameters), mag_lag_variance(parameters))
-    return nav.with_added_variance(ErrorBlock.ATTITUDE, (0.0, 0.0, square(LOST_HEADING)))
+    return nav.turned(off).with_added_variance(ErrorBlock.ATTITUDE, (0.0, 0.0, square(LOST_HEADING)))
 
 
 def _was_there(fit: IronFit, found: FittedIron) -> bool:
