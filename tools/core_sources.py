@@ -60,6 +60,7 @@ UNITS = {
         "filters___velocity_aided___aids___airspeed.",
         "filters___velocity_aided___aids___gravity.",
         "filters___velocity_aided___aids___iron.",
+        "filters___velocity_aided___aids___iron_fit.",
         "filters___velocity_aided___aids___zero_mean_velocity.",
     ),
     "records": ("vehicle_", "types.", "samples.", "estimate."),

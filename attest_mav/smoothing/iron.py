@@ -10,20 +10,17 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from attest_mav.filters.velocity_aided.aids.iron import (
-    FIELD_NOISE,
+from attest_mav.filters.velocity_aided.aids.iron_fit import (
     LARGEST_UNEXPLAINED,
     LONGEST_S,
     MEMORY_TURN,
     SIGNIFICANT,
     TURNING_RATE,
-    FittedIron,
-    IronFit,
-    fitted,
 )
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.smoothing.readings import Recording
 from attest_mav.smoothing.rotations import Array
+from attest_mav.smoothing.strength_fit import FIELD_NOISE, FittedIron, StrengthFit, fitted
 from attest_mav.smoothing.tables import RUN, Rows, Table
 from attest_mav.types import Vec3
 
@@ -126,24 +123,24 @@ class _Strengths:
             out += np.searchsorted(run, turn, side)
         return out
 
-    def _place_where_it_is(self, fit: IronFit, found: FittedIron, begin: int, end: int) -> None:
+    def _place_where_it_is(self, fit: StrengthFit, found: FittedIron, begin: int, end: int) -> None:
         """Correct those of some readings that turn or whose strength has the iron in it."""
         u = self._directions(begin, end)
         rate = np.sqrt((self._fields.rows(begin, end)["gyro"] ** 2).sum(axis=1))
         self._place(fit, found, begin, (rate > TURNING_RATE) | _has(u, found))
 
-    def _place(self, fit: IronFit, found: FittedIron, begin: int, here: NDArray[np.bool_]) -> None:
+    def _place(self, fit: StrengthFit, found: FittedIron, begin: int, here: NDArray[np.bool_]) -> None:
         """Correct the chosen ones of the readings from ``begin`` on."""
         rows = self._iron.rows(begin, begin + len(here)).copy()
         rows["iron"][here] = fit.strength * np.array(found.iron)
         rows["sigma"][here] = fit.strength * float(np.sqrt(np.trace(np.array(found.covariance)) / 3.0))
         self._iron.write(begin, rows)
 
-    def _fit(self, first: int, end: int) -> IronFit:
+    def _fit(self, first: int, end: int) -> StrengthFit:
         """The moments of a part of the readings."""
         sums = self._moments(end) - self._moments(first)
         matrix = (_vector(sums[5:8]), _vector(sums[8:11]), _vector(sums[11:14]))
-        return IronFit(
+        return StrengthFit(
             _vector(self._first),
             float(sums[0]),
             _vector(sums[1:4]),
@@ -151,13 +148,11 @@ class _Strengths:
             matrix,
             _vector(sums[14:17]),
             float(sums[17]),
-            heading_sigma=0.0,
-            has_replaced=False,
         )
 
-    def _shown(self, fit: IronFit) -> FittedIron | None:
+    def _shown(self, fit: StrengthFit) -> FittedIron | None:
         """The iron by a fit; None where it is within what calibration leaves, or does not explain the strength."""
-        found = fitted(fit, (0.0, 0.0, 0.0))
+        found = fitted(fit)
         known = fit.strength**2 * np.array(found.covariance) + self._parameters.hard_iron**2 * np.eye(3)
         iron = fit.strength * np.array(found.iron)
         is_far = iron @ np.linalg.solve(known, iron) > SIGNIFICANT

@@ -5,6 +5,7 @@ changes; microtesla become gauss. The message name is none that carries integers
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -17,7 +18,7 @@ from attest_mav.evaluation.motion import Array, multiply
 from attest_mav.filters.base import AttitudeFilter, FilterInputs, Start
 from attest_mav.filters.gradient_descent.filter import GradientDescent
 from attest_mav.filters.velocity_aided.filter import VelocityAided
-from attest_mav.filters.velocity_aided.parameters import FlightParameters
+from attest_mav.filters.velocity_aided.parameters import BARE_SENSOR
 from attest_mav.samples import ImuSample
 from attest_mav.smoothing.recorder import Recorder
 from attest_mav.smoothing.trajectory import smoothed_trajectory
@@ -42,9 +43,7 @@ def with_options(_with_mag: bool) -> GradientDescent:
     return GradientDescent(beta=0.02, rest_bias=True, accel_time_s=2.5, heading_rate=0.01, field_gate=True)
 
 
-SENSOR: Final = FlightParameters(
-    low_pass_hz=64.0, low_pass_delay_sigma=0.0, mag_delay_s=0.0135, mag_delay_sigma=0.003, hard_iron=0.002
-)
+SENSOR: Final = replace(BARE_SENSOR, low_pass_hz=64.0, mag_delay_s=0.0135, hard_iron=0.002)
 """Parameters of the flight filter for the data set's sensor: inertial readings 3.5 ms late, as behind a low-pass of
 64 Hz, magnetometer readings 10 ms later. Over all directions its strength shows iron of at most 2 to 3 mG."""
 

@@ -152,7 +152,7 @@ def _fuse_field(
         return nav, memory.skipped(sample, dt_s, None), iron
     rate = body_rate(nav, scale(add(before.imu.gyro, reading.gyro), 0.5))
     levelled = levelled_field(nav, field, rate, before.assumed_declination)
-    estimates_sensors = not before.stationary.is_settled
+    estimates_sensors, q_before = not before.stationary.is_settled, nav.q_nb
     nav, magnetometer = fuse_magnetometer(nav, memory, sample, levelled, dt_s, estimates_sensors, parameters)
     # The vertical velocity is not always measured, and then drifts.
     horizontal_speed = hypotenuse(nav.velocity[0], nav.velocity[1])
@@ -161,5 +161,5 @@ def _fuse_field(
     if magnetometer.since_accepted_s > REJECTED_S and not velocity_shows_heading:
         nav = nav.with_added_variance(ErrorBlock.ATTITUDE, (0.0, 0.0, REJECTED_HEADING_NOISE**2 * since_s))
     if in_place:
-        nav, magnetometer, iron = watch_iron(nav, magnetometer, iron, field, levelled, since_s, parameters)
+        nav, magnetometer, iron = watch_iron(nav, magnetometer, iron, levelled, q_before, since_s, parameters)
     return nav, magnetometer, iron

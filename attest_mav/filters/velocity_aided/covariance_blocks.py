@@ -7,7 +7,7 @@ from enum import IntEnum
 from typing import Final
 
 from attest_mav.filters.velocity_aided.covariance import Covariance
-from attest_mav.matrices import diagonal, floor_diagonal, mat_add, transpose
+from attest_mav.matrices import diagonal, floor_diagonal, mat_add, mat_mul, mat_mul_t, transpose
 from attest_mav.types import Mat3, Vec3
 
 COUNT: Final = 7
@@ -93,6 +93,17 @@ def with_component_restarted(p: Covariance, error: ErrorBlock, axis: int, varian
             own: Vec3 = (variance if axis == 0 else 0.0, variance if axis == 1 else 0.0, variance if axis == 2 else 0.0)
             block = mat_add(block, _diagonal(own))
         blocks[place] = block if is_row else transpose(block)
+    return Covariance(*blocks)
+
+
+def turned(p: Covariance, turn: Mat3) -> Covariance:
+    """P after the attitude and the velocity have been turned in NED, and with them their errors."""
+    blocks = p.blocks()
+    for row in (ErrorBlock.ATTITUDE, ErrorBlock.VELOCITY):
+        for column in range(row, COUNT):
+            place = _place(row, column)
+            block = mat_mul(turn, blocks[place])
+            blocks[place] = mat_mul_t(block, turn) if column <= ErrorBlock.VELOCITY else block
     return Covariance(*blocks)
 
 

@@ -10,13 +10,14 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import add, clamp, dot, q_exp, q_mul, q_norm, q_unit, scale
+from attest_mav.algebra import add, clamp, dot, q_exp, q_heading, q_mul, q_norm, q_to_matrix, q_unit, rotate, scale
 from attest_mav.filters.velocity_aided.covariance import Covariance
 from attest_mav.filters.velocity_aided.covariance_blocks import (
     FIX_LAG,
     MAG_LAG,
     ErrorBlock,
     decoupled,
+    turned,
     with_added_variance,
     with_component_restarted,
     with_gyro_bias_floor,
@@ -165,6 +166,11 @@ class NavigationState(Record):
             self.declination_error,
             covariance,
         )
+
+    def turned(self, heading: float) -> "NavigationState":
+        """The state turned about the vertical by this angle, rad."""
+        q = q_heading(heading)
+        return self.propagated(q_mul(q, self.q_nb), rotate(q, self.velocity), turned(self.covariance, q_to_matrix(q)))
 
     def with_covariance(self, covariance: Covariance) -> "NavigationState":
         """The same estimate with another covariance."""

@@ -155,5 +155,10 @@ BARE_SENSOR: Final = FlightParameters(
     mag_delay_s=0.0,
     mag_delay_sigma=0.003,
     own_delay_s=0.0,
+    accel_bias_sigma=0.08,
+    gyro_rate_noise=2e-3,
+    accel_noise=0.015,
 )
-"""Parameters for readings as a sensor gives them, neither low-passed nor late, as an autopilot's messages are."""
+"""Parameters for readings as a sensor gives them: neither low-passed nor late, as an autopilot's messages are. Its axes
+are misaligned by some tenths of a per cent, which is noise that grows with the rate; its accelerometer is not shaken by
+motors, and nothing but the sensor's own noise and bias is between it and the velocity."""

@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
+from attest_mav.algebra import q_heading, q_to_matrix
 from attest_mav.filters.velocity_aided.covariance import Covariance, ProcessNoise, propagated
 from attest_mav.filters.velocity_aided.covariance_blocks import (
     ErrorBlock,
     decoupled,
     diagonal_covariance,
+    turned,
     with_added_variance,
     with_component_restarted,
     with_gyro_bias_floor,
@@ -170,3 +172,11 @@ def test_a_thousand_steps_and_updates_stay_symmetric_and_positive(rng):
     p = to_dense(covariance)
     assert np.linalg.eigvalsh(p).min() > -1e-15
     assert np.allclose(np.array(covariance.vv), np.array(covariance.vv).T, rtol=0.0, atol=1e-15)
+
+
+def test_a_turned_attitude_turns_its_errors(dense):
+    turn = np.array(q_to_matrix(q_heading(0.7)))
+    whole = np.eye(SIZE)
+    whole[0:3, 0:3] = whole[3:6, 3:6] = turn
+    found = turned(from_dense(dense), tuple(floats(row) for row in turn))
+    assert to_dense(found) == pytest.approx(whole @ dense @ whole.T)

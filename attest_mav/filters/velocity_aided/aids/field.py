@@ -29,7 +29,16 @@ from attest_mav.types import Mat3, Vec3
 class LevelledField(Record):
     """One reading, turned into NED by the attitude at its time and freed of hard iron."""
 
-    def __init__(self, measurement: Measurement, direction: Vec3, strength: float, rate: float) -> None:
+    def __init__(
+        self,
+        measurement: Measurement,
+        direction: Vec3,
+        strength: float,
+        rate: float,
+        reading: Vec3,
+        attitude: Mat3,
+        north: float,
+    ) -> None:
         self.measurement: Final = measurement
         """The component along magnetic east as a share of the strength, with its sign changed; zero in truth."""
         self.direction: Final = direction
@@ -38,6 +47,12 @@ class LevelledField(Record):
         """gauss."""
         self.rate: Final = rate
         """Angular rate of the body, rad/s."""
+        self.reading: Final = reading
+        """The reading itself, body, gauss."""
+        self.attitude: Final = attitude
+        """C at its time."""
+        self.north: Final = north
+        """Magnetic north east of true north, rad."""
 
 
 def levelled_field(nav: NavigationState, field: Vec3, rate: Vec3, declination: float) -> LevelledField:
@@ -55,7 +70,7 @@ def levelled_field(nav: NavigationState, field: Vec3, rate: Vec3, declination: f
         m=scale(mat_t_vec(then, east), -1.0 / strength),
         d=(-dot(east, lag), 0.0, -(cos(north) * direction[0] + sin(north) * direction[1])),
     )
-    return LevelledField(measurement, direction, strength, norm(rate))
+    return LevelledField(measurement, direction, strength, norm(rate), field, then, north)
 
 
 def _attitude_then(nav: NavigationState, rate: Vec3) -> Mat3:

@@ -1,50 +1,59 @@
-"""Hard iron in place: the strength of the field over all directions of the body tells it apart from the field.
+"""Hard iron in place: readings over many attitudes of the body tell it apart from the field.
 
 Without a velocity nothing but the magnetometer shows the heading, so its calibration is not taken for granted. The
-readings u of a body that turns lie on a sphere about the iron b, whatever its attitude: with |u - b| constant,
+field stays where it is while the body turns, and the iron turns with the body; the gyro shows both apart
+(``iron_fit``). The heading of these attitudes is the gyro's alone, for the filter's follows the very readings that are
+in doubt. Its drift is why the field is another one after a minute.
 
-    (|u|^2 - 1) / 2 = u . b + c,   u and b as shares of the first strength,
-
-which is linear in b and c. A weighted regression with a prior gives b and its covariance; only turning adds to it. The
-covariance is part of the heading's sigma, and an iron far beyond what calibration leaves takes the place of the
-estimated one. (Ellipsoid fitting: Gebre-Egziabher et al., Journal of Aerospace Engineering 19, 2006.)
+The regression gives the iron and its covariance; only turning adds to them. The covariance is part of the heading's
+sigma, and an iron far beyond what calibration leaves takes the place of the estimated one.
 """
 
-from math import sqrt
+from math import atan2, sqrt
 from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.algebra import add, dot, hypotenuse, mat_vec, norm, scale, square, sub
+from attest_mav.algebra import (
+    dot,
+    heading_between,
+    hypotenuse,
+    norm,
+    q_heading,
+    q_to_matrix,
+    scale,
+    square,
+    sub,
+    wrap_pi,
+)
 from attest_mav.filters.velocity_aided.aids.field import LevelledField
+from attest_mav.filters.velocity_aided.aids.iron_fit import (
+    EQUATIONS,
+    FIELD_NOISE,
+    LONGEST_S,
+    MEMORY_TURN,
+    TURNING_RATE,
+    FittedIron,
+    Regression,
+    VectorMoments,
+    fitted,
+    no_moments,
+)
 from attest_mav.filters.velocity_aided.aids.magnetometer import Magnetometer
 from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock, decoupled
 from attest_mav.filters.velocity_aided.lags import mag_lag_variance, nominal_mag_lag_s
 from attest_mav.filters.velocity_aided.nav_state import NavigationState
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
-from attest_mav.matrices import add_diagonal, inverse, mat_scale, minus_outer, quadratic
+from attest_mav.matrices import mat_mul, mat_scale, quadratic
 from attest_mav.record import Record
-from attest_mav.types import Mat3, Vec3
+from attest_mav.types import Quat, Vec3
 
-PRIOR: Final = 0.1
-"""Share of the field. 1-sigma of the iron on each axis of a magnetometer that may not be calibrated."""
-FIELD_NOISE: Final = 0.05
-"""Share of the field. 1-sigma of its strength from place to place indoors, at least."""
-ALIKE_TURN: Final = 0.5
-"""rad. Readings within this turn are alike and count once."""
-MEMORY_TURN: Final = 30.0
-"""rad. After turning so far readings are forgotten."""
-LONGEST_S: Final = 0.5
-"""s. Of a longer time between two readings nobody knows how far the body turned in it."""
-TURNING_RATE: Final = 0.1
-"""rad/s: a body that turns more slowly shows nothing new of the iron."""
-SIGNIFICANT: Final = 16.0
-"""1. Squared distance, in sigmas, from the estimated iron beyond which the fitted one takes its place."""
-LARGEST_UNEXPLAINED: Final = 0.25
-"""1. Of the strength's variance an iron leaves no more. One that comes or goes leaves most of it, and so does a magnet
-that the body moves about."""
+GYRO_HEADING_S: Final = 60.0
+"""s. For so long the gyro alone keeps a heading to some degrees."""
 LOST_HEADING: Final = 0.35
 """rad. 1-sigma of a heading that a wrong iron has made."""
+FAR_HEADING: Final = 1.0
+"""rad. A reading that differs by more turns the heading too little, and beyond half a turn the wrong way."""
 STRENGTH_MARGIN: Final = 0.07
 """Share of the field. A first reading that fits better by less proves nothing: two strengths, each with its noise."""
 LEAST_LEVEL: Final = 0.05
@@ -53,36 +62,37 @@ LEAST_LEVEL: Final = 0.05
 
 @mypyc_attr(acyclic=True)
 class IronFit(Record):
-    """Weighted moments of the readings while the body turned, and what follows from them."""
+    """The regression of the readings while the body turned, and what follows from it."""
 
     def __init__(
         self,
         first: Vec3,
-        turned: float,
-        sum_u: Vec3,
-        sum_y: float,
-        sum_uu: Mat3,
-        sum_uy: Vec3,
-        sum_yy: float,
+        moments: VectorMoments,
+        earlier: Regression,
+        age_s: float,
+        corrected: float,
         heading_sigma: float,
+        calibrated: Vec3,
+        supposed: Vec3,
         has_replaced: bool,
     ) -> None:
         self.first: Final = first
-        """The first reading, gauss; its length is the unit of u."""
-        self.turned: Final = turned
-        """Weight of all readings: the angle through which the body turned, rad."""
-        self.sum_u: Final = sum_u
-        """Integral of u."""
-        self.sum_y: Final = sum_y
-        """The same of y = (|u|^2 - 1) / 2."""
-        self.sum_uu: Final = sum_uu
-        """The same of u u^T."""
-        self.sum_uy: Final = sum_uy
-        """The same of u y."""
-        self.sum_yy: Final = sum_yy
-        """The same of y^2."""
+        """The first reading, gauss; its length is the unit of the regression."""
+        self.moments: Final = moments
+        """Of the readings in the present field."""
+        self.earlier: Final = earlier
+        """Of those in fields before."""
+        self.age_s: Final = age_s
+        """Time for which the present field is that, s."""
+        self.corrected: Final = corrected
+        """What the magnetometer has turned the heading by in that time, rad."""
         self.heading_sigma: Final = heading_sigma
         """1-sigma of the heading for an iron that turning has not shown, rad."""
+        self.calibrated: Final = calibrated
+        """The estimated iron before the first turn, gauss."""
+        self.supposed: Final = supposed
+        """The iron that the fit is held against, gauss: the calibrated one, then the fit that took its place. The
+        estimate itself is none to test: it follows the heading alone, and takes up a part of any iron."""
         self.has_replaced: Final = has_replaced
         """Whether the fitted iron has taken the place of the estimated one before."""
 
@@ -91,113 +101,97 @@ class IronFit(Record):
         """Of the first reading, gauss."""
         return norm(self.first)
 
-    def judged(self, heading_sigma: float, has_replaced: bool) -> "IronFit":
-        """The same moments with what follows from them."""
-        return IronFit(
-            self.first,
-            self.turned,
-            self.sum_u,
-            self.sum_y,
-            self.sum_uu,
-            self.sum_uy,
-            self.sum_yy,
-            heading_sigma,
-            has_replaced,
+    def regression(self) -> Regression:
+        """Of all readings."""
+        return self.moments.regression().and_of(self.earlier)
+
+    def is_news(self, found: FittedIron, parameters: FlightParameters) -> bool:
+        """Whether the fitted iron is to take the place of the estimated one."""
+        share = 1.0 / self.strength
+        supposed, calibrated = scale(self.supposed, share), scale(self.calibrated, share)
+        return found.is_news(self.regression(), supposed, calibrated, parameters.hard_iron * share)
+
+    def with_reading(self, levelled: LevelledField, since_s: float) -> "IronFit":
+        """The fit with one more reading, which came so long after the one before."""
+        if self.age_s + since_s > GYRO_HEADING_S:
+            return self.in_another_field().with_reading(levelled, 0.0)
+        turn = levelled.rate * min(since_s, LONGEST_S) if levelled.rate > TURNING_RATE else 0.0
+        turned = self.moments.turned + self.earlier.weight / EQUATIONS
+        keep = 1.0 - min(1.0, turn / MEMORY_TURN) if turned > MEMORY_TURN - turn else 1.0
+        by_gyro = mat_mul(q_to_matrix(q_heading(-self.corrected)), levelled.attitude)
+        u = scale(levelled.reading, 1.0 / self.strength)
+        return self._with(
+            self.moments.with_reading(u, by_gyro, turn, keep),
+            self.earlier.faded(keep),
+            self.age_s + since_s,
+            self.corrected,
         )
 
-    def with_reading(self, field: Vec3, turn: float) -> "IronFit":
-        """The moments with one more reading of a body that turns, gauss; turn: since the one before, rad."""
-        u = scale(field, 1.0 / self.strength)
-        y = 0.5 * (dot(u, u) - 1.0)
-        keep = 1.0 - min(1.0, turn / MEMORY_TURN) if self.turned > MEMORY_TURN - turn else 1.0
+    def in_another_field(self) -> "IronFit":
+        """The fit whose next readings are in a field of their own: the heading is another one, or has drifted."""
+        return self._with(no_moments(), self.regression(), 0.0, 0.0)
+
+    def corrected_by(self, heading: float) -> "IronFit":
+        """The fit after the heading has been turned by this angle, rad, and not by the gyro."""
+        return self._with(self.moments, self.earlier, self.age_s, self.corrected + heading)
+
+    def _with(self, moments: VectorMoments, earlier: Regression, age_s: float, corrected: float) -> "IronFit":
         return IronFit(
             self.first,
-            keep * self.turned + turn,
-            add(scale(self.sum_u, keep), scale(u, turn)),
-            keep * self.sum_y + turn * y,
-            minus_outer(mat_scale(self.sum_uu, keep), scale(u, -turn), u),
-            add(scale(self.sum_uy, keep), scale(u, turn * y)),
-            keep * self.sum_yy + turn * y * y,
+            moments,
+            earlier,
+            age_s,
+            corrected,
             self.heading_sigma,
+            self.calibrated,
+            self.supposed,
             self.has_replaced,
         )
 
-
-@mypyc_attr(acyclic=True)
-class FittedIron(Record):
-    """The iron by a fit, as shares of its unit."""
-
-    def __init__(self, iron: Vec3, covariance: Mat3, strength: float, unexplained: float) -> None:
-        self.iron: Final = iron
-        self.covariance: Final = covariance
-        self.strength: Final = strength
-        """Of the field without the iron."""
-        self.unexplained: Final = unexplained
-        """The variance of the strength that it leaves, as a share of that which the iron so far leaves."""
-
-
-def new_fit(field: Vec3) -> IronFit:
-    """The fit before the first turn. field: a reading, gauss."""
-    zero: Vec3 = (0.0, 0.0, 0.0)
-    return IronFit(field, 0.0, zero, 0.0, (zero, zero, zero), zero, 0.0, 0.0, has_replaced=False)
+    def judged(self, heading_sigma: float, taken: Vec3 | None) -> "IronFit":
+        """The same regression with what follows from it. taken: the iron that takes the estimated one's place."""
+        return IronFit(
+            self.first,
+            self.moments,
+            self.earlier,
+            self.age_s,
+            self.corrected,
+            heading_sigma,
+            self.calibrated,
+            self.supposed if taken is None else taken,
+            self.has_replaced or taken is not None,
+        )
 
 
-def fitted(fit: IronFit, so_far: Vec3) -> FittedIron:
-    """The iron by the fit, beside the one so far (a share of its unit).
-
-    It is fitted twice, for the noise is what the first iron leaves.
-    """
-    weight = max(fit.turned, 1e-9)
-    mean_u, mean_y = scale(fit.sum_u, 1.0 / weight), fit.sum_y / weight
-    scatter = minus_outer(fit.sum_uu, mean_u, fit.sum_u)
-    slope = sub(fit.sum_uy, scale(fit.sum_u, mean_y))
-    spread = fit.sum_yy - fit.sum_y * mean_y
-    first = mat_vec(_covariance(scatter, square(FIELD_NOISE)), scale(slope, 1.0 / (square(FIELD_NOISE) * ALIKE_TURN)))
-    left = _left(spread, slope, scatter, first)
-    variance = max(square(FIELD_NOISE), left / weight)
-    covariance = _covariance(scatter, variance)
-    iron = mat_vec(covariance, scale(slope, 1.0 / (variance * ALIKE_TURN)))
-    # c = (F^2 - 1 - |b|^2) / 2, with the strength F.
-    strength_square = 1.0 + dot(iron, iron) + 2.0 * (mean_y - dot(mean_u, iron))
-    left_so_far = _left(spread, slope, scatter, so_far)
-    unexplained = left / left_so_far if left_so_far > 0.0 else 1.0
-    return FittedIron(iron, covariance, sqrt(max(strength_square, 0.0)), unexplained)
-
-
-def _left(spread: float, slope: Vec3, scatter: Mat3, iron: Vec3) -> float:
-    """Sum of the squares of y that an iron leaves, of the spread of y."""
-    return spread - 2.0 * dot(iron, slope) + quadratic(scatter, iron)
-
-
-def _covariance(scatter: Mat3, variance: float) -> Mat3:
-    """Of the iron by a regression with the prior, for readings whose y has this variance."""
-    return inverse(add_diagonal(mat_scale(scatter, 1.0 / (variance * ALIKE_TURN)), 1.0 / square(PRIOR)))
+def new_fit(field: Vec3, calibrated: Vec3) -> IronFit:
+    """The fit before the first turn. field: a reading; calibrated: the estimated iron; gauss."""
+    moments = no_moments()
+    return IronFit(field, moments, moments.regression(), 0.0, 0.0, 0.0, calibrated, calibrated, has_replaced=False)
 
 
 def watch_iron(
     nav: NavigationState,
     magnetometer: Magnetometer,
     fit: IronFit | None,
-    field: Vec3,
     levelled: LevelledField,
+    q_before: Quat,
     since_s: float,
     parameters: FlightParameters,
 ) -> tuple[NavigationState, Magnetometer, IronFit]:
-    """State, magnetometer's memory and fit after a reading in place (``field``, gauss)."""
+    """State, magnetometer's memory and fit after a reading in place that was fused; q_before: attitude without it."""
+    if fit is None or parameters.hard_iron <= 0.0:
+        fit = new_fit(levelled.reading, nav.hard_iron)
     if parameters.hard_iron <= 0.0:
-        return nav, magnetometer, new_fit(field)
-    before = new_fit(field) if fit is None else fit
-    turn = levelled.rate * min(since_s, LONGEST_S)
-    after = before.with_reading(field, turn) if levelled.rate > TURNING_RATE else before
-    found = fitted(after, scale(nav.hard_iron, 1.0 / after.strength))
-    off = sub(scale(found.iron, after.strength), nav.hard_iron)
-    known = add_diagonal(mat_scale(found.covariance, square(after.strength)), square(parameters.hard_iron))
-    is_far = levelled.rate > TURNING_RATE and quadratic(inverse(known), off) > SIGNIFICANT
-    is_news = is_far and found.unexplained < LARGEST_UNEXPLAINED
-    judged = after.judged(_heading_sigma(after, found, off, levelled), before.has_replaced or is_news)
-    if not is_news:
-        return nav, magnetometer, judged
-    return _with_iron(nav, before, found, parameters), magnetometer.without_field(parameters), judged
+        return nav, magnetometer, fit
+    after = fit.with_reading(levelled, since_s).corrected_by(heading_between(nav.q_nb, q_before))
+    found = fitted(after.regression(), FIELD_NOISE)
+    iron = scale(found.iron, after.strength)
+    heading_sigma = _heading_sigma(after, found, sub(iron, nav.hard_iron), levelled)
+    if not (levelled.rate > TURNING_RATE and after.is_news(found, parameters)):
+        return nav, magnetometer, after.judged(heading_sigma, None)
+    changed = _with_iron(nav, after, found, levelled.north, parameters)
+    judged = after.corrected_by(heading_between(changed.q_nb, nav.q_nb)).judged(heading_sigma, iron)
+    return changed, magnetometer.without_field(parameters), judged
 
 
 def _heading_sigma(fit: IronFit, found: FittedIron, off: Vec3, levelled: LevelledField) -> float:
@@ -208,15 +202,24 @@ def _heading_sigma(fit: IronFit, found: FittedIron, off: Vec3, levelled: Levelle
     return sqrt(unseen + square(dot(measurement.m, off))) / level
 
 
-def _with_iron(nav: NavigationState, fit: IronFit, found: FittedIron, parameters: FlightParameters) -> NavigationState:
-    """The state with the fitted iron. A heading and a lag that were made with another one are uncertain."""
+def _with_iron(
+    nav: NavigationState, fit: IronFit, found: FittedIron, north: float, parameters: FlightParameters
+) -> NavigationState:
+    """The state with the fitted iron.
+
+    A heading that was made with another one is lost, and the field without it shows the new one; so is the lag.
+    """
     covariance = mat_scale(found.covariance, square(fit.strength))
     apart = decoupled(nav.covariance, ErrorBlock.HARD_IRON, covariance)
     nav = nav.with_hard_iron(scale(found.iron, fit.strength), apart)
-    if fit.has_replaced or not _was_there(fit, found):
+    field = fit.moments.field(found.iron)
+    off = wrap_pi(north - atan2(field[1], field[0]) - fit.corrected)
+    is_lost = not fit.has_replaced and _was_there(fit, found)
+    if is_lost:
+        nav = nav.with_mag_lag(nominal_mag_lag_s(parameters), mag_lag_variance(parameters))
+    if not is_lost and abs(off) < FAR_HEADING:
         return nav
-    nav = nav.with_mag_lag(nominal_mag_lag_s(parameters), mag_lag_variance(parameters))
-    return nav.with_added_variance(ErrorBlock.ATTITUDE, (0.0, 0.0, square(LOST_HEADING)))
+    return nav.turned(off).with_added_variance(ErrorBlock.ATTITUDE, (0.0, 0.0, square(LOST_HEADING)))
 
 
 def _was_there(fit: IronFit, found: FittedIron) -> bool:
@@ -224,5 +227,5 @@ def _was_there(fit: IronFit, found: FittedIron) -> bool:
 
     It came later where that reading has the strength of the field as it is, and not with the iron taken off.
     """
-    u = scale(fit.first, 1.0 / fit.strength)
-    return abs(norm(sub(u, found.iron)) - found.strength) < abs(1.0 - found.strength) + STRENGTH_MARGIN
+    u, strength = scale(fit.first, 1.0 / fit.strength), norm(fit.moments.field(found.iron))
+    return abs(norm(sub(u, found.iron)) - strength) < abs(1.0 - strength) + STRENGTH_MARGIN

@@ -84,7 +84,7 @@ def restarted_navigation(
         imu=initial_memory(nav, reading, t_ns),
         gnss=before.gnss.after_reset(initial.method == AlignmentMethod.VELOCITY),
         magnetometer=before.magnetometer.after_reset(),
-        iron=before.iron,
+        iron=None if before.iron is None else before.iron.in_another_field(),
         stationary=initial_stationary(reading),
         wind=before.wind,
         fallback=Fallback(before.fallback.since_update_s, None),
