@@ -98,6 +98,20 @@ def test_a_wrong_file_is_one_line(attest_mav, tmp_path, content, says):
     assert err.count("\n") == 1
 
 
+@pytest.mark.parametrize("option", ["--save-calibration", "--junit", "--csv", "--parquet", "--tlog", "--report"])
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [("no/such.json", "no such file or directory"), ("folder", "it is a directory; expected a file")],
+)
+def test_an_output_that_cannot_be_written_is_told_before_the_log_is_read(attest_mav, tmp_path, option, name, reason):
+    (tmp_path / "folder").mkdir()
+    empty = tmp_path / "empty.tlog"
+    empty.touch()
+    code, out, err = attest_mav("replay", empty, option, tmp_path / name)
+    assert (code, out, err) == (65, "", f"attest-mav: error: cannot write {tmp_path / name}: {reason}\n")
+    assert {path.name for path in tmp_path.iterdir()} == {"folder", "empty.tlog"}
+
+
 @pytest.mark.parametrize(
     ("others", "says"),
     [
