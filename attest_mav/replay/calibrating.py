@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Final
 from attest_mav.logs.source import Plan, VehicleSummary
 from attest_mav.replay.flight import Flight
 from attest_mav.replay.north import date_of
+from attest_mav.vehicle_reports import ParameterSample
+from attest_mav.vehicle_settings import IDENTIFYING, Setting
 
 if TYPE_CHECKING:
     from attest_mav.config.calibration import KeptCalibrations
@@ -13,6 +15,16 @@ if TYPE_CHECKING:
 DAY_S: Final = 86400.0
 FIRST_UNIX_S: Final = 1e9
 """An earlier UNIX time (2001) is that of a clock that was not set."""
+
+
+def identify(flight: Flight, vehicle: VehicleSummary) -> None:
+    """Tell the filters from which sensors the readings come, as the autopilot has told it first."""
+    told: dict[Setting, ParameterSample] = {one.setting: one for one in vehicle.parameters}
+    told.update({one.setting: one for one in vehicle.opening if isinstance(one, ParameterSample)})
+    for run in flight.runs:
+        for setting, sample in told.items():
+            if setting in IDENTIFYING:
+                run.pipeline.vehicle.take(sample)
 
 
 def calibrate(flight: Flight, plan: Plan, vehicle: VehicleSummary, kept: "KeptCalibrations") -> list[str]:

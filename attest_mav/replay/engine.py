@@ -23,7 +23,7 @@ from attest_mav.logs.source import (
     VehicleSummary,
 )
 from attest_mav.record import Record
-from attest_mav.replay.calibrating import calibrate, learned
+from attest_mav.replay.calibrating import calibrate, identify, learned
 from attest_mav.replay.flight import Flight
 from attest_mav.replay.north import north_of
 from attest_mav.replay.notes import all_notes, choice_notes
@@ -94,6 +94,8 @@ def replay(source: LogSource, request: Request, outputs: Outputs) -> Replay:
         (vehicle.first_settings or vehicle.settings) if request.as_it_came else None,
         smoothed,
     )
+    if not request.as_it_came:
+        identify(flight, vehicle)
     remarks = calibrate(flight, plan, vehicle, request.calibrations)
     if outputs.observer is not None:
         outputs.observer.begin(north.direction)

@@ -212,7 +212,7 @@ def _with_iron(nav: NavigationState, fit: IronFit, found: FittedIron, parameters
     """The state with the fitted iron. A heading and a lag that were made with another one are uncertain."""
     covariance = mat_scale(found.covariance, square(fit.strength))
     apart = decoupled(nav.covariance, ErrorBlock.HARD_IRON, covariance)
-    nav = nav.with_hard_iron(scale(found.iron, fit.strength), apart)
+    nav = nav.with_sensor_errors(nav.accel_bias, scale(found.iron, fit.strength), apart)
     if fit.has_replaced or not _was_there(fit, found):
         return nav
     nav = nav.with_mag_lag(nominal_mag_lag_s(parameters), mag_lag_variance(parameters))
