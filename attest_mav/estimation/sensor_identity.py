@@ -69,10 +69,11 @@ class KnownSensor:
 
     def settled(self, before: SensorIdentity) -> SensorIdentity:
         """The sensor that has the error from now on; small changes of its offset add up."""
-        now = self.present
-        if self.change_since(before) is None and before.offset is not None:
-            now = SensorIdentity(now.device, now.orientation, before.offset)
-        return now.completed(before)
+        now, change = self.present, self.change_since(before)
+        if change is not None and change.is_other:
+            return now
+        offset = before.offset if change is None and before.offset is not None else now.offset
+        return SensorIdentity(now.device, now.orientation, offset).completed(before)
 
     def words(self, before: SensorIdentity, change: SensorChange) -> str:
         """The change in words: the parameter, what it tells and has told, and what follows."""

@@ -129,6 +129,13 @@ def test_a_change_that_is_told_later_takes_effect_then(sensors, heard, line):
     assert LaneEventKind.RESTARTED not in flight.kinds()
 
 
+def test_the_offset_of_another_device_that_is_told_later_is_no_change():
+    parameters = told(accel=SensorIdentity(7, 0, BIAS))
+    device = {"INS_ACC_ID": parameters["INS_ACC_ID"]}
+    flight = flown(parameters, 4.0, with_errors(iron=IRON), at_first=device)
+    assert lines(flight) == [CHANGES[0][2], begins("hard iron")]
+
+
 def test_a_board_that_is_turned_is_another_sensor():
     turned = {"accel": SensorIdentity(5, 4, ZERO), "mag": SensorIdentity(6, 4, ZERO)}
     ((kind, text),) = lines(flown(told(**turned), 0.0, with_errors()))
