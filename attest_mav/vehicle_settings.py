@@ -42,6 +42,34 @@ class Setting(IntEnum):
     """Uncertainty of the low-pass's delay where its corner is only assumed, s; 0 once the autopilot has told it."""
     FIELD_DELAY_S = 16
     """Age of the magnetometer's reading at the time of the inertial sample that carries it, s."""
+    BOARD_ORIENTATION = 17
+    """Rotation from the autopilot's board to the body, the autopilot's number of it."""
+    ACCEL_1_DEVICE = 18
+    ACCEL_1_OFFSET_X = 19
+    ACCEL_1_OFFSET_Y = 20
+    ACCEL_1_OFFSET_Z = 21
+    ACCEL_2_DEVICE = 22
+    ACCEL_2_OFFSET_X = 23
+    ACCEL_2_OFFSET_Y = 24
+    ACCEL_2_OFFSET_Z = 25
+    ACCEL_3_DEVICE = 26
+    ACCEL_3_OFFSET_X = 27
+    ACCEL_3_OFFSET_Y = 28
+    ACCEL_3_OFFSET_Z = 29
+    MAG_1_DEVICE = 30
+    MAG_1_OFFSET_X = 31
+    MAG_1_OFFSET_Y = 32
+    MAG_1_OFFSET_Z = 33
+    MAG_2_DEVICE = 34
+    MAG_2_OFFSET_X = 35
+    MAG_2_OFFSET_Y = 36
+    MAG_2_OFFSET_Z = 37
+    MAG_3_DEVICE = 38
+    MAG_3_OFFSET_X = 39
+    MAG_3_OFFSET_Y = 40
+    MAG_3_OFFSET_Z = 41
+    """The autopilot's number of each accelerometer's and magnetometer's device, 0 for none; and the offset that its
+    calibration subtracts from the readings, m/s^2 and gauss."""
 
 
 QUANTITIES: Final = {
@@ -56,6 +84,50 @@ QUANTITIES: Final = {
     Setting.DECLINATION: ("declination", "rad"),
 }
 """Settings with a unit: the quantity in words, and its unit."""
+
+
+class SensorSettings:
+    """The settings that tell one accelerometer or magnetometer from another, or from itself calibrated anew."""
+
+    def __init__(self, device: Setting, offset: tuple[Setting, Setting, Setting], unit: str) -> None:
+        self.device: Final = device
+        self.offset: Final = offset
+        """Its three axes, in ``unit``."""
+        self.unit: Final = unit
+
+
+def _sensors(first: Setting, unit: str) -> tuple[SensorSettings, ...]:
+    """Those of three sensors, whose settings follow each other from this one on."""
+    devices = [first + 4 * number for number in range(3)]
+    return tuple(
+        [SensorSettings(Setting(at), (Setting(at + 1), Setting(at + 2), Setting(at + 3)), unit) for at in devices]
+    )
+
+
+ACCELEROMETERS: Final = _sensors(Setting.ACCEL_1_DEVICE, "m/s^2")
+MAGNETOMETERS: Final = _sensors(Setting.MAG_1_DEVICE, "gauss")
+IDENTIFYING: Final = frozenset(
+    [Setting.BOARD_ORIENTATION]
+    + [setting for one in (*ACCELEROMETERS, *MAGNETOMETERS) for setting in (one.device, *one.offset)]
+)
+"""All settings that tell a sensor from others."""
+SENSOR_NUMBERS: Final = {
+    "RAW_IMU": 0,
+    "SCALED_IMU": 0,
+    "HIGHRES_IMU": 0,
+    "IMU": 0,
+    "sensor_combined": 0,
+    "vehicle_imu": 0,
+    "SCALED_IMU2": 1,
+    "IMU2": 1,
+    "vehicle_imu_1": 1,
+    "SCALED_IMU3": 2,
+    "IMU3": 2,
+    "vehicle_imu_2": 2,
+}
+"""The place in those of the sensors in an inertial message, record or topic. HIGHRES_IMU and sensor_combined do not
+tell which sensor they read: on most vehicles the first."""
+
 
 _OTHERS_UNKNOWN: Final = (nan,) * (len(Setting) - 2)
 """The values of all settings behind the first two."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from attest_mav.errors import ConfigError
-from attest_mav.runtime.files import atomic_write, reason_of
+from attest_mav.runtime.files import atomic_write, check_writable, reason_of
 
 if TYPE_CHECKING:
     from attest_mav.config.calibration import KeptCalibrations
@@ -66,10 +66,14 @@ class CalibrationOutput:
 
 @contextmanager
 def calibration_output(path: str | None, known: "KeptCalibrations") -> Iterator[CalibrationOutput | None]:
-    """The output, whose file is written in the end where there is something to write; None without a path."""
+    """The output, whose file is written in the end where there is something to write; None without a path.
+
+    UnwritableError at the begin where it cannot be written.
+    """
     if path is None:
         yield None
         return
+    check_writable(path)
     output = CalibrationOutput(known)
     yield output
     if output.text:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from attest_mav.errors import UsageError
-from attest_mav.runtime.files import atomic_write
+from attest_mav.runtime.files import atomic_write, check_writable
 
 if TYPE_CHECKING:
     from attest_mav.evaluation.harness import Outcome, Scenario
@@ -67,6 +67,8 @@ def prepare_figures(folder: str, chosen: "list[Scenario]") -> "list[PaperFigure]
         Path(folder).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UsageError(f"cannot make the folder {folder}: {error.strerror}") from error
+    for figure in found:
+        check_writable(Path(folder) / f"{figure.name}.png")
     return found
 
 

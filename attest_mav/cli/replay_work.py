@@ -13,7 +13,7 @@ from attest_mav.replay.batch import Outcome, Report, replay_file, replay_files
 from attest_mav.replay.limits import Checked, Limit, LogResult, check
 from attest_mav.replay.observer import FlightObserver, ObserverTee
 from attest_mav.replay.request import Outputs, Request
-from attest_mav.runtime.files import atomic_write, open_log
+from attest_mav.runtime.files import atomic_write, check_writable, open_log
 
 if TYPE_CHECKING:
     from attest_mav.cli.replay_tables import Tables
@@ -148,7 +148,12 @@ def _kept(path: str, result: Report) -> Outcome:
 
 @contextmanager
 def junit_file(path: str | None, results: list[LogResult]) -> Iterator[None]:
-    """Write the results in the end, where a path is given; also if no log could be read."""
+    """Write the results in the end, where a path is given; also if no log could be read.
+
+    UnwritableError at the begin where they cannot be written.
+    """
+    if path is not None:
+        check_writable(path)
     try:
         yield
     finally:

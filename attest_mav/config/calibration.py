@@ -6,7 +6,7 @@ from typing import Annotated, Final
 import msgspec
 from msgspec import Meta
 
-from attest_mav.filters.calibration import SensorCalibration, UncertainVector
+from attest_mav.filters.calibration import SensorCalibration, SensorIdentity, UncertainVector
 from attest_mav.plausible import is_covariance
 
 DAY_S: Final = 86400.0
@@ -36,7 +36,23 @@ class KeptVector(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             raise ValueError(f"expected numbers up to {LARGEST:g}")
 
 
-class KeptCalibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class KeptSensor(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
+    """By what the autopilot knew a sensor when its errors were learned; None where it had not told."""
+
+    device: int | None = None
+    """The autopilot's number of the device."""
+    board_orientation: int | None = None
+    """The autopilot's number of the rotation from its board to the body."""
+    offset: _Vector | None = None
+    """What the autopilot's calibration subtracted from the readings, in their unit."""
+
+    @property
+    def identity(self) -> SensorIdentity:
+        """The same for a filter's calibration."""
+        return SensorIdentity(self.device, self.board_orientation, self.offset)
+
+
+class KeptCalibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """Errors of one inertial sensor."""
 
     accel_bias: KeptVector
@@ -45,6 +61,10 @@ class KeptCalibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """gauss."""
     learned_unix_s: Annotated[float, Meta(ge=0.0)] | None
     """When they were learned, s since 1970; None where nobody knew the time."""
+    accelerometer: KeptSensor | None = None
+    """The sensor that has the bias; None where nothing of it was told."""
+    magnetometer: KeptSensor | None = None
+    """The sensor that has the iron."""
 
     def at(self, unix_s: float | None) -> SensorCalibration:
         """The errors as a filter takes them at this time of day; a clock that is behind makes them no younger.
@@ -58,6 +78,8 @@ class KeptCalibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             UncertainVector(bias.mean, bias.covariance),
             UncertainVector(iron.mean, iron.covariance),
             DAY_S * (age_s // DAY_S),
+            None if self.accelerometer is None else self.accelerometer.identity,
+            None if self.magnetometer is None else self.magnetometer.identity,
         )
 
 
@@ -87,7 +109,11 @@ def calibrations_text(kept: KeptCalibrations) -> bytes:
 
 def kept_calibration(learned: SensorCalibration, unix_s: float | None) -> KeptCalibration:
     """The form that is kept; ValueError where it holds no numbers. unix_s: when it was learned, None if unknown."""
-    return KeptCalibration(_kept(learned.accel_bias), _kept(learned.hard_iron), unix_s)
+    bias, iron = learned.accel_bias, learned.hard_iron
+    if bias is None or iron is None:
+        raise ValueError("expected both errors of a sensor")
+    sensors = _kept_sensor(learned.accelerometer), _kept_sensor(learned.magnetometer)
+    return KeptCalibration(_kept(bias), _kept(iron), unix_s, *sensors)
 
 
 def calibrations_of(
@@ -110,3 +136,8 @@ def with_learned(kept: Mapping[str, KeptCalibration], learned: Mapping[str, Kept
 
 def _kept(vector: UncertainVector) -> KeptVector:
     return KeptVector(vector.mean, vector.covariance)
+
+
+def _kept_sensor(one: SensorIdentity) -> KeptSensor | None:
+    kept = KeptSensor(one.device, one.orientation, one.offset)
+    return None if kept == KeptSensor() else kept

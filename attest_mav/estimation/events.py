@@ -46,7 +46,9 @@ class LaneEventKind(IntEnum):
     CALIBRATED = 16
     """The filter begins with the sensor's errors by earlier flights."""
     UNCALIBRATED = 17
-    """This flight contradicts them: they count as unknown."""
+    """This flight contradicts them, or the sensor is another one: they count as unknown."""
+    RECALIBRATED = 18
+    """The autopilot's own calibration of the sensor has changed: the errors are taken less that change."""
 
 
 @mypyc_attr(acyclic=True)  # as Sample

@@ -1,13 +1,28 @@
 """The filter of a lane, with its state and its last output."""
 
 from math import atan2
+from typing import Final
 
-from attest_mav.algebra import is_finite_number, q_continuous, q_heading, q_mul, q_to_euler, rotate, sub
+from attest_mav.algebra import is_finite_number, norm, q_continuous, q_heading, q_mul, q_to_euler, rotate, sub
 from attest_mav.estimate import Estimate
+from attest_mav.estimation.alignment import ecompass
+from attest_mav.estimation.events import LaneEventKind
 from attest_mav.filters.base import AttitudeFilter, FilterState, Start
+from attest_mav.plausible import is_force
 from attest_mav.samples import ImuSample
 from attest_mav.types import North, Quat, Vec3
 from attest_mav.vehicle_settings import VehicleSettings
+
+HEADING_MEMORY_S: Final = 10.0
+"""Without a magnetometer for longer the heading is dead-reckoned, and no longer referred to north."""
+HEADING_CAPTURE: Final = 0.09
+"""rad (5 deg): a heading counts as found again when it is this near to the heading by the field."""
+
+NORTH_TEXTS: Final = {
+    LaneEventKind.HEADING_LOST: "no magnetometer: the heading drifts",
+    LaneEventKind.HEADING_FOUND: "the heading is magnetic again",
+}
+"""What is told of a heading that is lost or found."""
 
 
 class FilterRun:
@@ -23,8 +38,6 @@ class FilterRun:
         """The last attitude put out."""
         self.aligned = False
         """Whether a filter that aligns itself had an attitude at the last step."""
-        self.is_calibrated = False
-        """Whether it went on from sensor errors of earlier flights."""
         self._as_configured = attitude_filter
 
     def set_vehicle_settings(self, known: VehicleSettings) -> None:
@@ -51,6 +64,29 @@ class FilterRun:
             start = Start(q_nb, bias, start.north, start.accel, start.mag, start.at_rest)
         self.state = self.filter.initial(start)
         self.north = start.north
+
+    def begin_by_itself(self, sample: ImuSample) -> None:
+        """Start a filter that aligns itself from one reading."""
+        if self.filter.aligns_itself and is_force(sample.accel) and norm(sample.accel) > 0.0:
+            q_nb, north = ecompass(sample.accel, sample.mag)
+            self.begin(Start(q_nb, (0.0, 0.0, 0.0), north, sample.accel, sample.mag, False), stands=False)
+
+    def follow_north(self, state: FilterState, sample: ImuSample, field_absent_s: float) -> LaneEventKind | None:
+        """Keep ``north`` true: the filter's own; else lost after a time without field, found when both agree.
+
+        HEADING_LOST or HEADING_FOUND where a filter without a north of its own has lost or found it.
+        """
+        own_north = state.referred_to
+        if own_north is not None:
+            self.north = own_north
+        elif self.north == North.MAGNETIC:
+            if field_absent_s > HEADING_MEMORY_S:
+                self.north = North.RELATIVE
+                return LaneEventKind.HEADING_LOST
+        elif sample.mag is not None and abs(field_heading(state.q_nb, sample.mag)) < HEADING_CAPTURE:
+            self.north = North.MAGNETIC
+            return LaneEventKind.HEADING_FOUND
+        return None
 
     def estimate(
         self,

@@ -3,26 +3,22 @@
 from typing import Final
 
 from attest_mav.algebra import is_finite_number, norm, q_norm
-from attest_mav.estimation.alignment import Aligner, ecompass
+from attest_mav.estimation.alignment import Aligner
 from attest_mav.estimation.arrivals import Arrivals
 from attest_mav.estimation.delay import DelayMeter
 from attest_mav.estimation.events import Event, LaneEvent, LaneEventKind
-from attest_mav.estimation.filter_run import FilterRun, field_heading
+from attest_mav.estimation.filter_run import NORTH_TEXTS, FilterRun
+from attest_mav.estimation.lane_calibration import LaneCalibration
 from attest_mav.estimation.lane_inputs import LaneInputs
 from attest_mav.estimation.sensors import FreezeDetector, StuckMagnetometer
 from attest_mav.estimation.stepper import Stepper
 from attest_mav.estimation.timebase import StepKind, TimeBase, TimeStep
 from attest_mav.estimation.vehicle import Vehicle
-from attest_mav.filters.base import AttitudeFilter, FilterState, Start
+from attest_mav.filters.base import AttitudeFilter, FilterState
 from attest_mav.filters.calibration import SensorCalibration
-from attest_mav.plausible import is_force, is_rate
+from attest_mav.plausible import is_rate
 from attest_mav.samples import ImuSample
 from attest_mav.types import North, Quat
-
-HEADING_MEMORY_S: Final = 10.0
-"""Without a magnetometer for longer the heading is dead-reckoned, and no longer referred to north."""
-HEADING_CAPTURE: Final = 0.09
-"""rad (5 deg): a heading counts as found again when it is this near to the heading by the field."""
 
 
 class Lane:
@@ -53,9 +49,12 @@ class Lane:
         self._stepper: Final = Stepper() if stepper is None else stepper
         self._inputs: Final = LaneInputs(vehicle)
         self._filter = attitude_filter
-        self._run: Final = FilterRun(self._calibrated(attitude_filter))
+        self.calibration: Final = LaneCalibration(source, vehicle)
+        """Sensor errors of earlier flights, and whether the filter goes on from them."""
+        self._run: Final = FilterRun(self.calibration.begin(attitude_filter))
         self._run.set_vehicle_settings(vehicle.settings)
-        self._timebase = TimeBase(arrivals)
+        self.timebase: Final = TimeBase(arrivals)
+        """Its samples' timestamps beside their arrivals."""
         self._aligner = Aligner()
         self.delay_s = 0.0
         """How late the newest sample came, s."""
@@ -68,31 +67,6 @@ class Lane:
         self._frozen_s = 0.0
 
     @property
-    def aligned(self) -> bool:
-        """True once a filter runs that does not align itself."""
-        return self._aligned
-
-    @property
-    def is_jumping(self) -> bool:
-        """Whether the newest timestamp does not follow from those before it, and is not confirmed yet."""
-        return self._timebase.is_jumping
-
-    @property
-    def difference_ns(self) -> int:
-        """Arrival minus timestamp of the newest sample that was taken, ns."""
-        return self._timebase.difference_ns
-
-    @property
-    def strayed_rx_ns(self) -> int:
-        """Arrival of the newest sample, where its timestamp is a stray, ns; -1 where it follows."""
-        return self._timebase.strayed_rx_ns
-
-    @property
-    def interval_s(self) -> float:
-        """The usual interval of the sensor's samples, s; 0 while it is not known."""
-        return self._timebase.usual_s
-
-    @property
     def field_lost_s(self) -> float:
         """Time since the magnetometer could last be used, s; 0 where it never could."""
         return self._field.absent_s if self._field.was_used else 0.0
@@ -103,11 +77,6 @@ class Lane:
         state = self._run.state
         return "" if state is None else state.rests_on
 
-    @property
-    def is_calibrated(self) -> bool:
-        """Whether the filter goes on from sensor errors of earlier flights."""
-        return self._run.is_calibrated
-
     def continue_sign(self, q_nb: Quat) -> None:
         """Put out the quaternion of the sign that follows this one: q and -q are the same attitude."""
         self._run.output = q_nb
@@ -115,22 +84,20 @@ class Lane:
     def use_vehicle_settings(self) -> None:
         """Give the filter the vehicle's settings as they are now; its state goes on."""
         self._run.set_vehicle_settings(self._vehicle.settings)
+        self.calibration.settings_changed()
 
     def use_filter(self, attitude_filter: AttitudeFilter) -> None:
         """Go on with other parameters of the same filter."""
         self._filter = attitude_filter
-        self._run.use_filter(self._calibrated(attitude_filter), self._vehicle.settings)
-
-    def _calibrated(self, attitude_filter: AttitudeFilter) -> AttitudeFilter:
-        """The filter with the errors of this sensor by earlier flights, where they are known."""
-        known = self._vehicle.calibrations.get(self.source)
-        return attitude_filter if known is None else attitude_filter.with_calibration(known)
+        calibrate = self.calibration.begin if self._run.state is None else self.calibration.calibrated
+        self._run.use_filter(calibrate(attitude_filter), self._vehicle.settings)
 
     @property
     def learned(self) -> SensorCalibration | None:
         """The errors of the sensor as the filter knows them; None where it knows none."""
         run, state = self._run, self._run.state
-        return None if state is None else run.filter.learned(state)
+        known = None if state is None else run.filter.learned(state)
+        return None if known is None else self.calibration.identified(known)
 
     def handle(self, sample: ImuSample) -> list[Event]:
         """Take the next sample of this source."""
@@ -138,7 +105,7 @@ class Lane:
         if not is_rate(sample.gyro):
             self.rejected += 1
             return events
-        step = self._timebase.advance(sample.t_ns, sample.rx_ns, self._delay.least_ns)
+        step = self.timebase.advance(sample.t_ns, sample.rx_ns, self._delay.least_ns)
         if not self._in_order(step, sample, events):
             return events
         self.delay_s = self._delay.delay_s(step.t_ns, sample.rx_ns)
@@ -153,6 +120,8 @@ class Lane:
         if not self._field.usable(sample, norm(sample.gyro) * step.dt_s, step.dt_s) and sample.has_field:
             sample = sample.with_readings(sample.gyro, sample.accel, None)
         self._inputs.advance(sample, step.dt_s)
+        if self.calibration.has_news:
+            self._follow_sensors(sample, step.dt_s, events)
         self._step(sample, dt_s, missing, events)
         if not self._aligned:
             self._align(sample, step.dt_s, events)
@@ -218,7 +187,7 @@ class Lane:
         """One step of the filter if it runs; one that leaves the unit sphere sends the lane back to alignment."""
         run = self._run
         if run.state is None:
-            self._begin_by_itself(run, sample)
+            run.begin_by_itself(sample)
             return
         if not self._aligned and not run.filter.aligns_itself:
             return
@@ -232,31 +201,23 @@ class Lane:
             return
         self._judge(run, state, sample, events)
 
-    def _begin_by_itself(self, run: FilterRun, sample: ImuSample) -> None:
-        """Start a filter that aligns itself from one reading."""
-        if run.filter.aligns_itself and is_force(sample.accel) and norm(sample.accel) > 0.0:
-            q_nb, north = ecompass(sample.accel, sample.mag)
-            run.begin(Start(q_nb, (0.0, 0.0, 0.0), north, sample.accel, sample.mag, False), stands=False)
-
     def _judge(self, run: FilterRun, state: FilterState, sample: ImuSample, events: list[Event]) -> None:
         """Update whether the run is aligned, and the north that its heading refers to."""
-        own_north = state.referred_to
-        if own_north is None:
-            self._judge_heading(run, state, sample, events)
-        else:
-            run.north = own_north
+        found = run.follow_north(state, sample, self._field.absent_s)
+        if found is not None:
+            self._tell(events, found, sample, NORTH_TEXTS[found])
         if run.filter.aligns_itself and state.aligned != run.aligned:
             kind = LaneEventKind.ALIGNED if state.aligned else LaneEventKind.RESTARTED
             text = "has found its attitude" if state.aligned else "has lost its attitude: aligning again"
             self._tell(events, kind, sample, f"{run.filter.name} {text}")
         run.aligned = state.aligned
-        if state.aligned and state.is_calibrated != run.is_calibrated:
-            run.is_calibrated = state.is_calibrated
-            self._tell_calibration(run, sample, events)
+        if state.aligned and state.is_calibrated != self.calibration.is_used:
+            self.calibration.is_used = state.is_calibrated
+            self._tell_calibration(sample, events)
 
-    def _tell_calibration(self, run: FilterRun, sample: ImuSample, events: list[Event]) -> None:
-        if run.is_calibrated:
-            text = "begins with the accelerometer bias and hard iron of earlier flights"
+    def _tell_calibration(self, sample: ImuSample, events: list[Event]) -> None:
+        if self.calibration.is_used:
+            text = f"begins with the {self.calibration.errors} of earlier flights"
             self._tell(events, LaneEventKind.CALIBRATED, sample, text)
         else:
             text = "contradicts the accelerometer bias or hard iron of earlier flights: both count as unknown"
@@ -264,15 +225,17 @@ class Lane:
             self._vehicle.refute_calibration(self.source)
             self.use_filter(self._filter)
 
-    def _judge_heading(self, run: FilterRun, state: FilterState, sample: ImuSample, events: list[Event]) -> None:
-        """Keep ``run.north`` true: lost after a time without field, found when field and heading agree."""
-        if run.north == North.MAGNETIC:
-            if self._field.absent_s > HEADING_MEMORY_S:
-                run.north = North.RELATIVE
-                self._tell(events, LaneEventKind.HEADING_LOST, sample, "no magnetometer: the heading drifts")
-        elif sample.mag is not None and abs(field_heading(state.q_nb, sample.mag)) < HEADING_CAPTURE:
-            run.north = North.MAGNETIC
-            self._tell(events, LaneEventKind.HEADING_FOUND, sample, "the heading is magnetic again")
+    def _follow_sensors(self, sample: ImuSample, dt_s: float, events: list[Event]) -> None:
+        """Let the filter go on with the errors of other sensors, where the autopilot tells of them."""
+        run, changes = self._run, self.calibration.changes(dt_s)
+        for kind, text in self.calibration.take_events():
+            self._tell(events, kind, sample, text)
+        if changes is None:
+            return
+        if run.state is not None:
+            run.state = run.filter.after_changes(run.state, changes)
+            self.calibration.is_used = run.state.is_calibrated
+        self.use_filter(self._filter)
 
     def _estimate(self, sample: ImuSample, step: TimeStep, events: list[Event]) -> None:
         """Append the filter's estimate at this sample."""

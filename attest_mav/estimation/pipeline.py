@@ -8,7 +8,7 @@ primary lane is selected: the first of ``sources``, or where none are given the 
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import isfinite, radians
+from math import radians
 from typing import Final
 
 from attest_mav.estimate import Estimate
@@ -18,6 +18,7 @@ from attest_mav.estimation.events import Agreement, Event, LaneEvent, LaneEventK
 from attest_mav.estimation.freshness import FreshnessWatch
 from attest_mav.estimation.imu_frame import ImuFrame
 from attest_mav.estimation.lane import Lane
+from attest_mav.estimation.trim_watch import TrimWatch
 from attest_mav.estimation.vehicle import AidSettings, Vehicle
 from attest_mav.estimation.verdict import VerdictSettings
 from attest_mav.estimation.witness.witness import Witness
@@ -27,14 +28,12 @@ from attest_mav.filters.velocity_aided.filter import VelocityAided
 from attest_mav.samples import AttitudeSample, ImuSample, Sample
 from attest_mav.types import AttitudeRole, EarthField
 from attest_mav.vehicle_reports import ParameterSample
-from attest_mav.vehicle_settings import Setting, VehicleSettings
+from attest_mav.vehicle_settings import VehicleSettings
 
 _NS: Final = 1_000_000_000
 
 DOUBTED_SHARE: Final = 0.5
 """Delays above this share of ``PipelineSettings.stale_s`` are worth a question for the autopilot's time."""
-MOVED_TRIM: Final = radians(1.0)
-"""A trim that changes in flight by more is no fine adjustment."""
 
 
 @dataclass(frozen=True)
@@ -81,8 +80,7 @@ class Pipeline:
         self.freshness: Final = FreshnessWatch()
         """Whether the samples of the selected lane come in time."""
         self._check = AttitudeCheck(settings.verdict)
-        self._trims_in_flight: dict[Setting, float] = {}
-        """The trims of this flight before they were changed, rad."""
+        self._trims: Final = TrimWatch(self.vehicle)
         self._witness = Witness() if isinstance(attitude_filter, VelocityAided) else None
 
     def use(self, settings: PipelineSettings) -> None:
@@ -110,7 +108,7 @@ class Pipeline:
     def doubts_clock(self) -> bool:
         """Whether the clocks of autopilot and host ought to be compared: samples come late, or their clock jumps."""
         lane = self.lanes.get(self.selected)
-        return lane is not None and (lane.delay_s > DOUBTED_SHARE * self._settings.stale_s or lane.is_jumping)
+        return lane is not None and (lane.delay_s > DOUBTED_SHARE * self._settings.stale_s or lane.timebase.is_jumping)
 
     @property
     def is_contradicted(self) -> bool:
@@ -164,10 +162,11 @@ class Pipeline:
         before = self.vehicle.settings
         self.vehicle.take(sample)
         if isinstance(sample, ParameterSample):
-            self._watch_trim(sample, before)
+            agrees = self.verdict is not None and self.verdict.agreement == Agreement.AGREE
+            self._check.judge.trim_moved = self._trims.take(sample, before, agrees)
             self.set_vehicle_settings(self.vehicle.settings)
         elif self.vehicle.armed is False:
-            self._trims_in_flight.clear()
+            self._trims.forget()
             self._check.judge.trim_moved = False
         return []
 
@@ -178,24 +177,6 @@ class Pipeline:
     def suspended(self, reason: str, now_ns: int) -> Verdict:
         """The verdict that there is none at present, for a reason that the samples do not tell."""
         return self._check.undecided(reason, now_ns)
-
-    def _watch_trim(self, sample: ParameterSample, before: VehicleSettings) -> None:
-        """Notice a trim that is changed in flight by more than a fine adjustment, and one that is changed back.
-
-        One that was not told before counts as none while the attitudes agree without it.
-        """
-        if sample.setting not in (Setting.TRIM_X, Setting.TRIM_Y) or not self.vehicle.armed:
-            return
-        known = self._trims_in_flight
-        if sample.setting not in known:
-            agrees = self.verdict is not None and self.verdict.agreement == Agreement.AGREE
-            if not agrees and not isfinite(before.get(sample.setting)):
-                return
-            known[sample.setting] = before.get_or(sample.setting, 0.0)
-        settings = self.vehicle.settings
-        self._check.judge.trim_moved = any(
-            abs(settings.get_or(setting, 0.0) - first) > MOVED_TRIM for setting, first in known.items()
-        )
 
     def poll(self, now_ns: int) -> list[Event]:
         """Events due because no sample has come until ``now_ns`` (host clock)."""
@@ -280,5 +261,5 @@ class Pipeline:
     def _stale_ns(self) -> int:
         """Without a sample for this long there is no estimate, ns: a slow stream has its own intervals."""
         lane = self.lanes.get(self.selected)
-        usual_s = 0.0 if lane is None else lane.interval_s
+        usual_s = 0.0 if lane is None else lane.timebase.usual_s
         return int(_NS * max(self._settings.stale_s, STALE_INTERVALS * usual_s))

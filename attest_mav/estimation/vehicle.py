@@ -72,6 +72,8 @@ class Vehicle:
         """The Earth's field where the vehicle is."""
         self.settings = VehicleSettings()
         """The autopilot's settings as far as they are known."""
+        self.parameters: Final[dict[Setting, str]] = {}
+        """Names of the parameters that told them."""
         self.calibrations: dict[str, SensorCalibration] = {}
         """Errors of its inertial sensors by earlier flights, by the name of the sensor's message."""
         self.refuted: set[str] = set()
@@ -130,6 +132,7 @@ class Vehicle:
             self.latitude = sample.latitude_deg * pi / 180.0
         elif isinstance(sample, ParameterSample):
             self.settings = self.settings.updated(sample.setting, sample.value)
+            self.parameters[sample.setting] = sample.name
         elif isinstance(sample, FirmwareSample):
             self.firmware = sample.version
         elif isinstance(sample, EstimatorSample):

@@ -10,7 +10,7 @@ from typing import Final
 
 from mypy_extensions import mypyc_attr
 
-from attest_mav.filters.calibration import SensorCalibration
+from attest_mav.filters.calibration import SensorCalibration, SensorChanges
 from attest_mav.innovation import Innovation
 from attest_mav.record import Record
 from attest_mav.samples import ImuSample, VelocitySample
@@ -230,6 +230,10 @@ class AttitudeFilter(Record):
         """The filter that begins with these errors of its sensor; one that has no use for them as it is."""
         return self
 
+    def after_changes(self, state: FilterState, changes: SensorChanges) -> FilterState:
+        """The state after changes of the sensors; the same where it has none of their errors."""
+        return state
+
     def learned(self, state: FilterState) -> SensorCalibration | None:
         """The errors of the sensor as its flight has shown them, None where it has shown none."""
         return None
@@ -242,6 +246,5 @@ class AttitudeFilter(Record):
     def step(self, state: FilterState, dt_s: float, sample: ImuSample, inputs: FilterInputs) -> FilterState:
         """The state ``dt_s`` seconds later, 0 < dt_s <= 1, given the sample taken then.
 
-        Never raises on bad readings: a sensor that is missing, not finite or out of its gate is not used, and the
-        state says so.
+        Never raises on bad readings: one that is missing, not finite or out of its gate is not used.
         """

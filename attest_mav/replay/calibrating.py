@@ -3,10 +3,15 @@
 from contextlib import suppress
 from typing import TYPE_CHECKING, Final
 
+from attest_mav.estimation.pipeline import PipelineSettings
+from attest_mav.estimation.sensor_identity import of_present_sensors
+from attest_mav.estimation.vehicle import Vehicle
 from attest_mav.filters.calibration import SensorCalibration
 from attest_mav.logs.source import Plan, VehicleSummary
 from attest_mav.replay.flight import Flight
 from attest_mav.replay.north import date_of
+from attest_mav.vehicle_reports import ParameterSample
+from attest_mav.vehicle_settings import IDENTIFYING, Setting
 
 if TYPE_CHECKING:
     from attest_mav.config.calibration import KeptCalibrations
@@ -14,6 +19,32 @@ if TYPE_CHECKING:
 DAY_S: Final = 86400.0
 FIRST_UNIX_S: Final = 1e9
 """An earlier UNIX time (2001) is that of a clock that was not set."""
+
+
+def identify(flight: Flight, vehicle: VehicleSummary) -> None:
+    """Tell the filters from which sensors the readings come, as the autopilot has told it first."""
+    for run in flight.runs:
+        _tell(run.pipeline.vehicle, vehicle)
+
+
+def _tell(state: Vehicle, vehicle: VehicleSummary) -> None:
+    told: dict[Setting, ParameterSample] = {one.setting: one for one in vehicle.parameters}
+    told.update({one.setting: one for one in vehicle.opening if isinstance(one, ParameterSample)})
+    for setting, sample in told.items():
+        if setting in IDENTIFYING:
+            state.take(sample)
+
+
+def known_at_smoothing(
+    plan: Plan, vehicle: VehicleSummary, kept: "KeptCalibrations", settings: PipelineSettings
+) -> SensorCalibration | None:
+    """The errors of the sensor that is smoothed, as far as its readings come from the same sensors."""
+    known = known_errors(plan, vehicle, kept).get(plan.imu)
+    if known is None:
+        return None
+    state = Vehicle(settings.aids)
+    _tell(state, vehicle)
+    return of_present_sensors(known, plan.imu, state)
 
 
 def calibrate(flight: Flight, plan: Plan, vehicle: VehicleSummary, kept: "KeptCalibrations") -> list[str]:

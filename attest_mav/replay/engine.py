@@ -24,7 +24,7 @@ from attest_mav.logs.source import (
     VehicleSummary,
 )
 from attest_mav.record import Record
-from attest_mav.replay.calibrating import calibrate, known_errors, learned
+from attest_mav.replay.calibrating import calibrate, identify, known_at_smoothing, learned
 from attest_mav.replay.flight import Flight
 from attest_mav.replay.north import LocalNorth, north_of
 from attest_mav.replay.notes import all_notes, choice_notes
@@ -111,6 +111,8 @@ def _replayed(
         (vehicle.first_settings or vehicle.settings) if request.as_it_came else None,
         smoothed,
     )
+    if not request.as_it_came:
+        identify(flight, vehicle)
     remarks = calibrate(flight, plan, vehicle, request.calibrations)
     if outputs.observer is not None:
         outputs.observer.begin(north.direction)
@@ -144,7 +146,7 @@ def _smoothed(
         one.parameters,
         window.start_s,
         window.end_s,
-        known_errors(plan, vehicle, request.calibrations).get(plan.imu),
+        known_at_smoothing(plan, vehicle, request.calibrations, request.pipeline),
     )
     return smooth(flight)
 

@@ -118,8 +118,7 @@ def atomic_write(path: str | Path) -> Iterator[IO[bytes]]:
     """
     target = Path(path)
     with _blaming(target):
-        is_special = target.exists() and not target.is_file() and not target.is_dir()
-        descriptor, name = (os.open(target, os.O_WRONLY), "") if is_special else _temporary_beside(target)
+        descriptor, name = (os.open(target, os.O_WRONLY), "") if _is_special(target) else _temporary_beside(target)
     try:
         with _Blamed(FileIO(descriptor, "wb"), target) as file:
             yield file
@@ -132,8 +131,25 @@ def atomic_write(path: str | Path) -> Iterator[IO[bytes]]:
         raise
 
 
+def check_writable(path: str | Path) -> None:
+    """UnwritableError where ``atomic_write`` could not begin, before the work on what is written; leaves no trace."""
+    target = Path(path)
+    with _blaming(target):
+        if not _is_special(target):
+            descriptor, name = _temporary_beside(target)
+            os.close(descriptor)
+            Path(name).unlink()
+
+
+def _is_special(target: Path) -> bool:
+    """Whether there is something that is neither a file nor a folder: a pipe, a device."""
+    return target.exists() and not target.is_file() and not target.is_dir()
+
+
 def _temporary_beside(target: Path) -> tuple[int, str]:
     """Descriptor and name of a new file in the same folder, with the permissions of any new file."""
+    if target.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
     from tempfile import mkstemp  # noqa: PLC0415 - costs 3 ms, which a replay without such a file does not need
 
     descriptor, name = mkstemp(dir=target.parent, prefix=f".{target.name[:100]}.")

@@ -178,6 +178,7 @@ def _data_settings(config: Config) -> DataSettings:
         aiding_hz=streams.aiding_hz,
         positions=tuple(name for name in POSITION_MESSAGES if name in (aiding.forward_speed, aiding.velocity)),
         default_settings=attitude_filter.default_settings,
+        identifies=config.state.calibration and isinstance(attitude_filter, VelocityAided),
     )
 
 

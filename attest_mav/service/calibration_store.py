@@ -65,7 +65,9 @@ class CalibrationStore:
 
 
 def _is_news(before: KeptCalibration, now: KeptCalibration) -> bool:
-    """Whether an estimate has moved by a tenth of its sigma, or a variance by a tenth."""
+    """Whether an estimate has moved by a tenth of its sigma, a variance by a tenth, or the sensor is another one."""
+    if (before.accelerometer, before.magnetometer) != (now.accelerometer, now.magnetometer):
+        return True
     return _has_changed(before.accel_bias, now.accel_bias) or _has_changed(before.hard_iron, now.hard_iron)
 
 

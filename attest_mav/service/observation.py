@@ -110,7 +110,7 @@ def _lane_snapshot(lane: Lane, pipeline: Pipeline) -> LaneSnapshot:
         estimate=estimate if estimate is not None and estimate.lane == lane.source else None,
         fault=pipeline.fault_of(lane.source),
         rests_on=lane.rests_on,
-        is_calibrated=lane.is_calibrated,
+        is_calibrated=lane.calibration.is_used,
         field_lost_s=lane.field_lost_s,
         samples=lane.samples,
         repeats=lane.repeats,

@@ -30,11 +30,11 @@ class SenderClock:
 
         A message whose time never fitted carries another clock, such as UNIX time: its time says nothing.
         """
-        if lane.strayed_rx_ns >= 0 and sample.rx_ns - lane.strayed_rx_ns < WITH_NS:
+        if lane.timebase.strayed_rx_ns >= 0 and sample.rx_ns - lane.timebase.strayed_rx_ns < WITH_NS:
             return False
         if sample.t_ns == NO_TIME:
             return True
-        apart_ns = wrapped_difference_ns(sample.rx_ns - sample.t_ns, lane.difference_ns)
+        apart_ns = wrapped_difference_ns(sample.rx_ns - sample.t_ns, lane.timebase.difference_ns)
         if abs(apart_ns) <= NEAR_NS:
             self._fitting.add(sample.source)
             return True

@@ -117,7 +117,12 @@ class Commands:
         if not 0 <= number < len(known):
             return []
         one = known[number]
-        return [("PARAM_VALUE", self.parameter.pack(one.value, len(known), index, one.name.encode(), one.kind))]
+        return [
+            (
+                "PARAM_VALUE",
+                self.parameter.pack(self.parameters.told(number), len(known), index, one.name.encode(), one.kind),
+            )
+        ]
 
     def _is_ours(self, system: int, component: int) -> bool:
         return system in {0, self.system} and component in {0, self.component}

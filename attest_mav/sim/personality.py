@@ -47,7 +47,7 @@ class Stream:
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter that can be read. ``kind``: MAV_PARAM_TYPE; the value is sent as a float, whatever it is."""
+    """A parameter that can be read. ``kind``: MAV_PARAM_TYPE."""
 
     name: str
     value: float

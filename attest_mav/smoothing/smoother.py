@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from attest_mav.filters.calibration import SensorCalibration, UncertainVector
+from attest_mav.filters.calibration import SensorErrors, UncertainVector
 from attest_mav.filters.velocity_aided.calibration import has_left
 from attest_mav.filters.velocity_aided.lags import nominal_fix_lag_s, nominal_mag_lag_s
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
@@ -49,7 +49,7 @@ class Result:
 class Smoother:
     """The passes over one flight."""
 
-    def __init__(self, parts: Parts, parameters: FlightParameters, known: SensorCalibration | None = None) -> None:
+    def __init__(self, parts: Parts, parameters: FlightParameters, known: SensorErrors | None = None) -> None:
         """known: errors of the sensor by earlier flights, at the start of this one; None for those of any sensor."""
         self._parts: Final = parts
         self._recording: Final = parts.recording
@@ -117,7 +117,7 @@ class Smoother:
         return Result(smoothed, problems, self._noises[0], self._has_refuted)
 
 
-def _begun_with(known: SensorCalibration, recording: Recording) -> Begun:
+def _begun_with(known: SensorErrors, recording: Recording) -> Begun:
     """The errors to begin with. In place the regression has taken the iron off the readings."""
     accel, iron = (A, known.accel_bias), (M, known.hard_iron)
     return (accel,) if recording.in_place else (accel, iron)

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from attest_mav.filters.calibration import SensorCalibration
+from attest_mav.filters.calibration import SensorErrors
 from attest_mav.filters.velocity_aided.lags import LowPassDelay, low_pass_delay_by
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.smoothing.backward import Smoothed, smoothed_of
@@ -66,7 +66,7 @@ class SmoothedParts:
         self,
         recording: Recording,
         parameters: FlightParameters,
-        known: SensorCalibration | None = None,
+        known: SensorErrors | None = None,
         intervals: int = INTERVALS,
     ) -> None:
         """parameters: of the live filter, with the vehicle's settings in them. intervals: of a part.

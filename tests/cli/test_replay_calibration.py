@@ -5,6 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from attest_mav.logs.tlog.reader import tlog_record
+from attest_mav.mavlink.component.encoder import Encoder
+from attest_mav.mavlink.dialect import load_dialect
+
 CUTS = Path(__file__).parent.parent / "data"
 FLOWN = CUTS / "copter_receiver_noise.tlog"
 NO_FILE = "expected a file that --save-calibration has written, or the state file of a service"
@@ -34,6 +38,27 @@ def test_the_errors_of_both_sensors_go_from_one_flight_to_the_next(attest_mav, k
     assert note == (
         "the filter begins with sensor errors of earlier flights: RAW_IMU 0 days old, SCALED_IMU2 0 days old"
     )
+
+
+def test_errors_of_another_sensor_are_not_used(attest_mav, tmp_path):
+    """The log tells the accelerometer of its second sensor; of the first one nothing."""
+    values = {"param_id": b"INS_ACC2_ID", "param_value": 7.0, "param_type": 6, "param_index": 0, "param_count": 900}
+    first = START.read_bytes()
+    told = tlog_record(
+        int.from_bytes(first[:8], "big") * 1000, Encoder(load_dialect(), 1, 1).message("PARAM_VALUE", values)
+    )
+    log, known = tmp_path / "told.tlog", tmp_path / "known.json"
+    log.write_bytes(told + first)
+    vector = {"mean": [0.0, 0.0, 0.0], "covariance": [[1e-4, 0.0, 0.0], [0.0, 1e-4, 0.0], [0.0, 0.0, 1e-4]]}
+    sensor = {"accel_bias": vector, "hard_iron": vector, "learned_unix_s": None, "accelerometer": {"device": 5}}
+    known.write_text(json.dumps({"calibrations": {"1/RAW_IMU": sensor, "1/SCALED_IMU2": sensor}}))
+    for how in ((), ("--as-it-came",)):
+        code, out, _ = attest_mav("replay", log, "--skip", "2", "--json", "--calibration", known, *how)
+        assert code == 0
+        first, second = json.loads(out)["lanes"]
+        (fault,) = second["faults"]
+        assert (fault["kind"], first["faults"]) == ("uncalibrated", [])
+        assert fault["text"] == "INS_ACC2_ID is 7 instead of 5: the accelerometer bias of before counts as unknown"
 
 
 def test_a_second_process_begins_with_the_same(attest_mav, kept):
@@ -96,6 +121,20 @@ def test_a_wrong_file_is_one_line(attest_mav, tmp_path, content, says):
     assert err.startswith(f"attest-mav: error: --calibration {path}: ")
     assert err.endswith(f"{says}\n")
     assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize("option", ["--save-calibration", "--junit", "--csv", "--parquet", "--tlog", "--report"])
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [("no/such.json", "no such file or directory"), ("folder", "it is a directory; expected a file")],
+)
+def test_an_output_that_cannot_be_written_is_told_before_the_log_is_read(attest_mav, tmp_path, option, name, reason):
+    (tmp_path / "folder").mkdir()
+    empty = tmp_path / "empty.tlog"
+    empty.touch()
+    code, out, err = attest_mav("replay", empty, option, tmp_path / name)
+    assert (code, out, err) == (65, "", f"attest-mav: error: cannot write {tmp_path / name}: {reason}\n")
+    assert {path.name for path in tmp_path.iterdir()} == {"folder", "empty.tlog"}
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from attest_mav.config.calibration import (
     parse_calibrations,
     with_learned,
 )
-from attest_mav.filters.calibration import SensorCalibration, UncertainVector
+from attest_mav.filters.calibration import SensorCalibration, SensorIdentity, UncertainVector
 
 BIAS = UncertainVector((0.1, -0.2, 0.3), ((4e-4, 1e-5, 0.0), (1e-5, 5e-4, 0.0), (0.0, 0.0, 6e-4)))
 IRON = UncertainVector((0.01, -0.02, 0.03), ((1e-6, 0.0, 0.0), (0.0, 1e-6, 0.0), (0.0, 0.0, 1e-6)))
@@ -24,6 +24,22 @@ def text_of(**changes):
     vector = {"mean": [0, 0, 0], "covariance": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}
     sensor = {"accel_bias": vector, "hard_iron": vector, "learned_unix_s": 1.0} | changes
     return json.dumps({"calibrations": {"1/RAW_IMU": sensor}}).encode()
+
+
+def test_the_sensors_of_the_errors_are_kept_where_they_were_told():
+    accel, mag = SensorIdentity(2753028, 4, (0.1, -0.2, 0.0)), SensorIdentity(97539)
+    kept = {"1/RAW_IMU": kept_calibration(SensorCalibration(BIAS, IRON, 0.0, accel, mag), 0.0)}
+    found = calibrations_of(parse_calibrations(calibrations_text(kept)), 1, 0.0)["RAW_IMU"]
+    told = (found.accelerometer.device, found.accelerometer.orientation, found.accelerometer.offset)
+    assert told == (2753028, 4, (0.1, -0.2, 0.0))
+    assert (found.magnetometer.device, found.magnetometer.orientation, found.magnetometer.offset) == (97539, None, None)
+
+
+def test_a_file_of_before_sensors_were_told_reads_and_is_written_as_it_was():
+    text = calibrations_text({"1/RAW_IMU": kept_calibration(KNOWN, 0.0)})
+    assert set(json.loads(text)["calibrations"]["1/RAW_IMU"]) == {"accel_bias", "hard_iron", "learned_unix_s"}
+    found = calibrations_of(parse_calibrations(text), 1, 0.0)["RAW_IMU"]
+    assert (found.accelerometer.device, found.magnetometer.offset) == (None, None)
 
 
 def test_what_is_written_is_read_again_to_the_last_digit():

@@ -12,6 +12,7 @@ from attest_mav.config.parsing import parse_config
 from attest_mav.errors import ConfigError
 from attest_mav.mavlink.component.notes import WARNING, Note
 from attest_mav.mavlink.dialect import load_dialect
+from attest_mav.runtime.recorder import folder as folder_module
 from attest_mav.runtime.recorder import writer as writer_module
 from attest_mav.runtime.recorder.folder import RecordFolder
 from attest_mav.runtime.recorder.recorder import Recorder
@@ -92,14 +93,39 @@ def test_the_oldest_files_make_room_and_others_are_left_alone(tmp_path):
 
 def test_the_calibration_of_a_recording_comes_and_goes_with_it(tmp_path):
     text = b'{"calibrations": {}}\n'
-    fd, path = RecordFolder(tmp_path, 10, 0).open_next(text)
+    folder = RecordFolder(tmp_path, 10, 0)
+    fd, path = folder.open_next()
     os.close(fd)
+    folder.write_beside(path, text)
     companion = path.with_suffix(".calibration.json")
     assert companion.read_bytes() == text
     assert companion.stat().st_mode & 0o777 == path.stat().st_mode & 0o777
     path.write_bytes(bytes(1000))
     assert RecordFolder(tmp_path, 10, 0).has_room(None)
     assert files(tmp_path) == []
+
+
+def test_a_recording_goes_on_where_its_calibration_finds_no_room(tmp_path, monkeypatch, caplog):
+    """Two recordings lack it, and one line tells of it."""
+    create = folder_module._create
+    no_room = os.open("/dev/full", os.O_WRONLY)
+    monkeypatch.setattr(
+        folder_module, "_create", lambda path: os.dup(no_room) if path.suffix == ".json" else create(path)
+    )
+    writer = Writer(RecordFolder(tmp_path, 10_000, 0))
+    for data in (b"first", b"second"):
+        writer.put(Part(data, 1, b"", b"{}"))
+        writer.put(Part(b" more", 1, None))
+    writer.finish()
+    assert [path.read_bytes() for path in files(tmp_path)] == [b"first more", b"second more"]
+    os.close(no_room)
+    assert writer.lost_frames == 0
+    (line,) = caplog.messages
+    path = files(tmp_path)[0].with_suffix(".calibration.json")
+    assert (
+        line
+        == f"cannot write {path}: No space left on device; a replay of the recording begins without the calibration"
+    )
 
 
 def test_a_reserve_is_kept_on_the_disk(tmp_path, monkeypatch):

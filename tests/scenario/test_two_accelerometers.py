@@ -5,6 +5,7 @@ import pytest
 from attest_mav.algebra import add, scale
 from attest_mav.estimation.events import LaneEventKind
 from attest_mav.filters.calibration import SensorCalibration, UncertainVector
+from attest_mav.filters.registry import default_filter
 from attest_mav.matrices import diagonal
 from attest_mav.samples import ImuSample
 
@@ -81,6 +82,33 @@ def test_a_refuted_calibration_does_not_come_back_with_a_reboot():
     assert kinds(flight, LaneEventKind.REBOOTED)
     begun = [event for event in flight.lane_events if event.kind == LaneEventKind.CALIBRATED]
     assert len(begun) == 2, "before the reboot"
+
+
+def test_what_the_flight_itself_has_shown_holds_after_the_next_reboot():
+    """As a service gives it: the filters take it while they run, and begin with it."""
+    shown = SensorCalibration(UncertainVector(BIAS, diagonal(1e-4)), KNOWN.hard_iron)
+    given = []
+
+    def give(pipeline, now_ns):
+        if now_ns > 15e9 and not given:
+            given.append(now_ns)
+            pipeline.vehicle.calibrations = {FIRST: KNOWN, SECOND: shown}
+            pipeline.use_filter(default_filter("velocity-aided"))
+
+    flight = fly(
+        30.0,
+        "velocity-aided",
+        ["reboot@20"],
+        scenario="still",
+        heard=biased(0.0, 1.0),
+        others=(SECOND,),
+        calibrations={FIRST: KNOWN, SECOND: KNOWN},
+        meddle=give,
+        fast_rate_hz=25.0,
+    )
+    begun = [event.lane for event in flight.lane_events if event.kind == LaneEventKind.CALIBRATED]
+    assert sorted(begun) == [FIRST, FIRST, SECOND, SECOND]
+    assert [event.kind for event in flight.lane_events].count(LaneEventKind.UNCALIBRATED) == 2
 
 
 def test_a_sensor_that_returns_has_learned_nothing_from_the_other_and_contradicts_nothing():

@@ -19,6 +19,26 @@ FOR_THE_FILTER = ["INS_GYRO_FILTER", "GPS1_DELAY_MS"]
 FOR_THE_FRAME = ["AHRS_TRIM_X", "AHRS_TRIM_Y", "AHRS_TRIM_Z", "AHRS_EKF_TYPE", "COMPASS_DEC", "COMPASS_AUTODEC"]
 
 
+def of_sensor(device, offset):
+    return [device, *(offset.format(axis) for axis in "XYZ")]
+
+
+FOR_THE_SENSORS = [
+    "AHRS_ORIENTATION",
+    *of_sensor("INS_ACC_ID", "INS_ACCOFFS_{}"),
+    *of_sensor("COMPASS_DEV_ID", "COMPASS_OFS_{}"),
+    *of_sensor("INS_ACC2_ID", "INS_ACC2OFFS_{}"),
+    *of_sensor("COMPASS_DEV_ID2", "COMPASS_OFS2_{}"),
+]
+FOR_PX4S_SENSORS = [
+    "SENS_BOARD_ROT",
+    *of_sensor("CAL_ACC0_ID", "CAL_ACC0_{}OFF"),
+    *of_sensor("CAL_MAG0_ID", "CAL_MAG0_{}OFF"),
+    *of_sensor("CAL_ACC1_ID", "CAL_ACC1_{}OFF"),
+    *of_sensor("CAL_MAG1_ID", "CAL_MAG1_{}OFF"),
+]
+
+
 def sim(scenario="still", faults=(), **settings):
     return SimSettings(scenario=scenario, fast_rate_hz=50.0, faults=parse_faults(faults), **settings)
 
@@ -228,10 +248,10 @@ def test_a_reboot_realigns_and_asks_again(flight):
     [
         (
             "ardupilot",
-            [*FOR_THE_FILTER, *FOR_THE_FRAME],
+            [*FOR_THE_FILTER, *FOR_THE_FRAME, *FOR_THE_SENSORS],
             ["gyro low-pass is 20 Hz (INS_GYRO_FILTER)", "GPS delay is 0.1 s (GPS1_DELAY_MS)"],
         ),
-        ("px4", ["EKF2_GPS_DELAY", "EKF2_MAG_DECL"], ["GPS delay is 0.1 s (EKF2_GPS_DELAY)"]),
+        ("px4", ["EKF2_GPS_DELAY", "EKF2_MAG_DECL", *FOR_PX4S_SENSORS], ["GPS delay is 0.1 s (EKF2_GPS_DELAY)"]),
     ],
 )
 def test_the_settings_are_read_from_the_autopilot_before_the_first_sample(flight, personality, asked, said):
@@ -253,7 +273,8 @@ def test_the_settings_are_asked_again_after_a_reboot_and_hold_until_then(flight)
     f.run_until(5.9)
     assert low_pass_hz(f) == 60.0
     f.run_until(9.0)
-    assert [one.param_id for one in f.of_type("PARAM_REQUEST_READ", 4.0)] == [*FOR_THE_FILTER, *FOR_THE_FRAME]
+    asked = [one.param_id for one in f.of_type("PARAM_REQUEST_READ", 4.0)]
+    assert asked == [*FOR_THE_FILTER, *FOR_THE_FRAME, *FOR_THE_SENSORS]
     assert low_pass_hz(f) == 60.0
     assert [text for text in f.texts if text.startswith("the autopilot's gyro")] == [
         "the autopilot's gyro low-pass is 20 Hz (INS_GYRO_FILTER)",
@@ -284,7 +305,17 @@ def test_settings_of_other_components_and_vehicles_are_not_taken(flight):
 def test_what_is_configured_is_not_asked_for(flight):
     f = flight(f"{VELOCITY_AIDED}\n[filter.velocity-aided]\nlow_pass_hz = 35")
     f.run_until(3.0)
-    assert [one.param_id for one in f.of_type("PARAM_REQUEST_READ")] == ["GPS1_DELAY_MS", *FOR_THE_FRAME]
+    assert [one.param_id for one in f.of_type("PARAM_REQUEST_READ")] == [
+        "GPS1_DELAY_MS",
+        *FOR_THE_FRAME,
+        *FOR_THE_SENSORS,
+    ]
+
+
+def test_a_service_that_must_not_learn_asks_for_no_sensors(flight):
+    f = flight("[state]\ncalibration = false")
+    f.run_until(3.0)
+    assert [one.param_id for one in f.of_type("PARAM_REQUEST_READ")] == [*FOR_THE_FILTER, *FOR_THE_FRAME]
 
 
 def test_a_filter_that_has_no_use_for_the_settings_asks_for_none(flight):

@@ -70,7 +70,8 @@ class LaneWatch(Stepper):
         self.noise: SensorNoise | None = None
         """The sensor's noise, None while the filter takes its own."""
         self.distrusts_calibration = False
-        """Whether the difference to another sensor has refuted what earlier flights have shown of this one."""
+        """Whether the difference to another sensor has refuted what earlier flights have shown of this one; until the
+        lane's filter is one without it, and what comes then was shown later."""
         self.noise_ns = -1
         """Time of the sample at which it was last looked at."""
         self._noise_in_use: SensorNoise | None = None
@@ -184,6 +185,7 @@ class LaneWatch(Stepper):
         if known is None or one is not self.configured or self.noise is not self._noise_in_use:
             self.configured, self._noise_in_use = one, self.noise
             known = one if self.noise is None else self.noise.of(one)
+            self.distrusts_calibration = self.distrusts_calibration and one.calibration is not None
             known = known.with_calibration(None) if self.distrusts_calibration else known
             self.filter = known
         return known

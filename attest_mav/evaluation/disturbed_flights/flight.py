@@ -23,6 +23,8 @@ from attest_mav.sim.settings import SimSettings
 
 LOOK_NS: Final = 100_000_000
 """Period at which the status is looked at, ns."""
+LOOK_DIGITS: Final = 3
+"""Decimals of a second to which the time of a look is known: the flight's clock goes on by 0.1 ms at least."""
 FRESH_S: Final = 0.5
 """The default of ``estimate.stale_s``: nothing older is published, s."""
 ROUNDING_S: Final = 0.021
@@ -158,7 +160,7 @@ class Watch:
         return Outcome(
             detected_s=self._detected_s,
             accused_s=accused[0] - row.begin_s if accused else inf,
-            recovered_s=inf if good_s > looks[-1].t_s else good_s - row.end_s,
+            recovered_s=inf if good_s > looks[-1].t_s else round(good_s - row.end_s, LOOK_DIGITS),
             verdicts=tuple(dict.fromkeys(kinds)),
             sent_hz=self._sent / row.lasts_s,
             oldest_s=self._oldest_s,

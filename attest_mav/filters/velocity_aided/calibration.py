@@ -13,9 +13,9 @@ filter goes on as if nothing had been.
 from math import exp, sqrt
 from typing import Final
 
-from attest_mav.algebra import square
-from attest_mav.filters.calibration import SensorCalibration, UncertainVector
-from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock
+from attest_mav.algebra import dot, square, sub
+from attest_mav.filters.calibration import SensorCalibration, SensorChanges, SensorErrors, UncertainVector
+from attest_mav.filters.velocity_aided.covariance_blocks import ErrorBlock, decoupled
 from attest_mav.filters.velocity_aided.nav_state import NavigationState
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.matrices import diagonal, symmetric
@@ -30,12 +30,14 @@ LEARNED: Final = 0.5
 """A flight has shown the errors when the variance of the accelerometer's bias has fallen to this share in each axis:
 gravity shows the one along the vertical to a vehicle that stands."""
 REFUTING_SIGMAS: Final = 4.0
+RESTING: Final = 3.0
+"""Sigma of an attitude that rests on an error, in the angles that the error makes."""
 HORIZONTAL_FIELD: Final = 0.2
 """gauss: of the Earth, about; relates hard iron to heading."""
 
 
 def learned(
-    nav: NavigationState, begun_with: SensorCalibration | None, parameters: FlightParameters
+    nav: NavigationState, begun_with: SensorErrors | None, parameters: FlightParameters
 ) -> SensorCalibration | None:
     """The lasting errors as this state knows them; None before its flight has shown them.
 
@@ -45,32 +47,33 @@ def learned(
     before = (unknown(parameters) if begun_with is None else begun_with).accel_bias.covariance
     if not all(nav.covariance.aa[axis][axis] < LEARNED * before[axis][axis] for axis in range(3)):
         return None
-    return known_by(nav)
+    errors = known_by(nav)
+    return SensorCalibration(errors.accel_bias, errors.hard_iron)
 
 
-def known_by(nav: NavigationState) -> SensorCalibration:
+def known_by(nav: NavigationState) -> SensorErrors:
     """The lasting errors as this state has them, shown or not."""
-    return SensorCalibration(
+    return SensorErrors(
         UncertainVector(nav.accel_bias, symmetric(nav.covariance.aa)),
         UncertainVector(nav.hard_iron, symmetric(nav.covariance.mm)),
     )
 
 
-def unknown(parameters: FlightParameters) -> SensorCalibration:
+def unknown(parameters: FlightParameters) -> SensorErrors:
     """The errors of any sensor: zero, with the sigmas that the parameters have for it."""
-    return SensorCalibration(_any_sensor(parameters.accel_bias_sigma), _any_sensor(parameters.hard_iron))
+    return SensorErrors(_any_sensor(parameters.accel_bias_sigma), _any_sensor(parameters.hard_iron))
 
 
-def at_start(known: SensorCalibration, parameters: FlightParameters) -> SensorCalibration:
+def at_start(known: SensorCalibration, parameters: FlightParameters) -> SensorErrors:
     """The same errors at the start of another flight, as far as the parameters let them be estimated."""
     share = KEPT_AT_START * exp(-known.age_s / MEMORY_S)
-    return SensorCalibration(
+    return SensorErrors(
         _wandered(known.accel_bias, share, parameters.accel_bias_sigma),
         _wandered(known.hard_iron, share, parameters.hard_iron),
     )
 
 
-def is_refuted(nav: NavigationState, begun: SensorCalibration) -> bool:
+def is_refuted(nav: NavigationState, begun: SensorErrors) -> bool:
     """Whether the state contradicts the errors that it began with."""
     p = nav.covariance
     return has_left(nav.accel_bias, p.aa, begun.accel_bias) or has_left(nav.hard_iron, p.mm, begun.hard_iron)
@@ -87,14 +90,40 @@ def without(nav: NavigationState, parameters: FlightParameters) -> NavigationSta
     )
 
 
+def after(nav: NavigationState, changes: SensorChanges, parameters: FlightParameters) -> NavigationState:
+    """The state after changes of its sensors, whose errors are new.
+
+    The attitude rests on the old ones. It becomes less certain than the new ones are, so that gravity and the field
+    turn it, and show no error of a sensor.
+    """
+    before = known_by(nav)
+    bias = before.accel_bias.after(changes.accelerometer) or _any_sensor(parameters.accel_bias_sigma)
+    iron = before.hard_iron.after(changes.magnetometer) or _any_sensor(parameters.hard_iron)
+    p, tilt, heading = nav.covariance, 0.0, 0.0
+    if changes.accelerometer is not None:
+        p = decoupled(p, ErrorBlock.ACCEL_BIAS, bias.covariance)
+        tilt = _step_square(before.accel_bias, bias) / square(parameters.gravity)
+    if changes.magnetometer is not None:
+        p = decoupled(p, ErrorBlock.HARD_IRON, iron.covariance)
+        heading = _step_square(before.hard_iron, iron) / square(HORIZONTAL_FIELD)
+    changed = nav.with_sensor_errors(bias.mean, iron.mean, p)
+    return changed.with_added_variance(ErrorBlock.ATTITUDE, (tilt, tilt, heading))
+
+
+def _step_square(before: UncertainVector, now: UncertainVector) -> float:
+    """Square of ``RESTING`` times the change of an error in one direction."""
+    step = sub(now.mean, before.mean)
+    return square(RESTING) * (dot(step, step) + max(now.covariance[axis][axis] for axis in range(3)))
+
+
 def _any_sensor(sigma: float) -> UncertainVector:
     return UncertainVector((0.0, 0.0, 0.0), diagonal(square(sigma)))
 
 
-def _wandered(known: UncertainVector, share: float, unknown_sigma: float) -> UncertainVector:
-    """An error after the time between two flights; one that is not estimated (sigma 0) is zero."""
-    if unknown_sigma == 0.0:
-        return _any_sensor(0.0)
+def _wandered(known: UncertainVector | None, share: float, unknown_sigma: float) -> UncertainVector:
+    """An error after the time between two flights; one that is not known, or not estimated (sigma 0), is zero."""
+    if known is None or unknown_sigma == 0.0:
+        return _any_sensor(unknown_sigma)
     factor, lost = sqrt(share), (1.0 - share) * square(unknown_sigma)
     x, y, z = known.mean
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = known.covariance

@@ -17,9 +17,9 @@ from typing import Final, cast
 
 from attest_mav.algebra import add, clamp, hypotenuse, norm, q_continuous, q_exp, q_mul, rotate, scale, square, sub
 from attest_mav.filters.base import AttitudeFilter, FilterInputs, FilterState, Start
-from attest_mav.filters.calibration import SensorCalibration
+from attest_mav.filters.calibration import SensorCalibration, SensorChanges
 from attest_mav.filters.velocity_aided.aids.field import FieldResidual, field_residual
-from attest_mav.filters.velocity_aided.alignment.collect import Alignment, accumulate, new_alignment
+from attest_mav.filters.velocity_aided.alignment.collect import accumulate, new_alignment
 from attest_mav.filters.velocity_aided.alignment.initialize import first_navigation, restarted_navigation
 from attest_mav.filters.velocity_aided.alignment.solve import solve_alignment
 from attest_mav.filters.velocity_aided.calibration import learned
@@ -38,7 +38,7 @@ from attest_mav.filters.velocity_aided.reset import (
     reset_sigma_after,
     reset_sigma_decay,
 )
-from attest_mav.filters.velocity_aided.state import VelocityAidedState
+from attest_mav.filters.velocity_aided.state import VelocityAidedState, aligning_state
 from attest_mav.plausible import is_rate
 from attest_mav.samples import ImuSample
 from attest_mav.types import Quat, Vec3
@@ -107,6 +107,13 @@ class VelocityAided(AttitudeFilter):
         """The filter that begins with these errors of its sensor, with None those of any sensor."""
         return replace(self, calibration=known)
 
+    def after_changes(self, state: FilterState, changes: SensorChanges) -> FilterState:
+        """See ``AttitudeFilter``; one that aligns after a gap keeps the errors for its restart."""
+        before = cast("VelocityAidedState", state)
+        if before.navigation is None:
+            return state
+        return before.with_navigation(before.navigation.after_changes(changes, self.parameters))
+
     def learned(self, state: FilterState) -> SensorCalibration | None:
         """The errors of the sensor as the flight has shown them; None while the filter aligns, and before that."""
         navigation = cast("VelocityAidedState", state).navigation
@@ -141,13 +148,13 @@ class VelocityAided(AttitudeFilter):
         nav = navigation.estimate
         if not nav.is_valid:
             start = new_alignment(reading, sample.t_ns)
-            return _aligning_state(before.q_nb, (0.0, 0.0, 0.0), start, None, 0.0, False, 0.0)
+            return aligning_state(before.q_nb, (0.0, 0.0, 0.0), start, None, 0.0, False, 0.0)
         contradicted = navigation.gnss.mean_nis > parameters.restart_nis or is_impossible(navigation)
         if contradicted or nav.tilt_sigma > MAX_TILT_SIGMA:
             # The velocity contradicts the attitude for too long, or too much was hidden by a saturated sensor.
             start = new_alignment(reading, sample.t_ns)
             sigma = before.reset_sigma
-            return _aligning_state(before.q_nb, nav.gyro_bias, start, navigation, 0.0, contradicted, sigma)
+            return aligning_state(before.q_nb, nav.gyro_bias, start, navigation, 0.0, contradicted, sigma)
         return self._navigating(navigation, before.q_nb, reset_sigma_decay(navigation, dt_s) * before.reset_sigma)
 
     def with_estimate(
@@ -197,7 +204,7 @@ class VelocityAided(AttitudeFilter):
             turn = scale(sub(reading.gyro, before.gyro_bias), 0.5 * min(dt_s, LONGEST_GAP_S))
             q_nb = q_mul(before.q_nb, q_exp(turn))
             sigma = before.reset_sigma
-            return _aligning_state(q_nb, before.gyro_bias, alignment, navigation, gap_s, by_innovations, sigma)
+            return aligning_state(q_nb, before.gyro_bias, alignment, navigation, gap_s, by_innovations, sigma)
         if navigation is None:
             bias, known = before.gyro_bias, self.calibration
             begun = first_navigation(initial, reading, sample.t_ns, bias, inputs.declination, parameters, known)
@@ -244,18 +251,3 @@ def _field_angles(navigation: Navigation | None, inputs: FilterInputs) -> tuple[
     if not isfinite(inclination) and usual is not None:
         inclination = asin(clamp(usual.inclination_sine, -1.0, 1.0))
     return navigation.assumed_declination + navigation.estimate.declination_error, inclination
-
-
-def _aligning_state(
-    q_nb: Quat,
-    bias: Vec3,
-    alignment: Alignment,
-    navigation: Navigation | None,
-    gap_s: float,
-    reset_by_innovations: bool,
-    reset_sigma: float,
-) -> VelocityAidedState:
-    """The state of an alignment that is not over."""
-    return VelocityAidedState(
-        q_nb, bias, False, False, pi, pi, alignment, navigation, gap_s, reset_by_innovations, reset_sigma
-    )

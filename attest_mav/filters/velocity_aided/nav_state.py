@@ -152,14 +152,14 @@ class NavigationState(Record):
             covariance,
         )
 
-    def with_hard_iron(self, hard_iron: Vec3, covariance: Covariance) -> "NavigationState":
-        """The state with another hard iron of the magnetometer, gauss."""
+    def with_sensor_errors(self, accel_bias: Vec3, hard_iron: Vec3, covariance: Covariance) -> "NavigationState":
+        """The state with another bias of the accelerometer (m/s^2) and hard iron of the magnetometer (gauss)."""
         return NavigationState(
             self.q_nb,
             self.velocity,
             self.gyro_bias,
             self.gyro_scale,
-            self.accel_bias,
+            accel_bias,
             hard_iron,
             self.mag_lag_s,
             self.fix_lag_s,

@@ -6,14 +6,14 @@ from typing import Final
 from mypy_extensions import mypyc_attr
 
 from attest_mav.algebra import is_finite_number
-from attest_mav.filters.calibration import SensorCalibration
+from attest_mav.filters.calibration import SensorChanges, SensorErrors
 from attest_mav.filters.velocity_aided.aids.airspeed import Wind
 from attest_mav.filters.velocity_aided.aids.fallback import Fallback
 from attest_mav.filters.velocity_aided.aids.gnss_velocity import GnssVelocity
 from attest_mav.filters.velocity_aided.aids.iron import IronFit
 from attest_mav.filters.velocity_aided.aids.magnetometer import Magnetometer
 from attest_mav.filters.velocity_aided.aids.zero_motion import Stationary
-from attest_mav.filters.velocity_aided.calibration import is_refuted, known_by, without
+from attest_mav.filters.velocity_aided.calibration import after, is_refuted, known_by, without
 from attest_mav.filters.velocity_aided.imu_memory import ImuMemory
 from attest_mav.filters.velocity_aided.measurement import Measurement
 from attest_mav.filters.velocity_aided.nav_state import NavigationState, cross_covariance_of, update
@@ -55,7 +55,7 @@ class Navigation(Record):
         fallback: Fallback,
         declination: float | None,
         mode: AidingMode,
-        begun_with: SensorCalibration | None,
+        begun_with: SensorErrors | None,
         has_stepped: bool,
     ) -> None:
         self.estimate: Final = estimate
@@ -129,6 +129,12 @@ class Navigation(Record):
             return self
         return self.without_calibration(parameters)
 
+    def after_changes(self, changes: SensorChanges, parameters: FlightParameters) -> "Navigation":
+        """The navigation after changes of its sensors; earlier flights tell of those alone that are still the same."""
+        estimate = after(self.estimate, changes, parameters)
+        begun_with = None if changes.is_all_other or self.begun_with is None else known_by(estimate)
+        return self._with(estimate, self.imu.with_attitude(estimate), self.declination, begun_with)
+
     def without_calibration(self, parameters: FlightParameters) -> "Navigation":
         """The navigation as uncertain as if no earlier flight had told of the sensor."""
         estimate = without(self.estimate, parameters)
@@ -139,7 +145,7 @@ class Navigation(Record):
         estimate: NavigationState,
         imu: ImuMemory,
         declination: float | None,
-        begun_with: SensorCalibration | None,
+        begun_with: SensorErrors | None,
     ) -> "Navigation":
         return Navigation(
             estimate,

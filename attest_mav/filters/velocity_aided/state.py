@@ -1,5 +1,6 @@
 """State of the flight filter: aligned or not, the aid that holds the attitude, and the records of its step."""
 
+from math import pi
 from typing import Final
 
 from mypy_extensions import mypyc_attr
@@ -46,6 +47,22 @@ class VelocityAidedState(FilterState):
         """Whether the alignment began because velocity fixes contradicted the estimate."""
         self.reset_sigma: Final = reset_sigma
         """Part of both sigmas after a reset, rad, decaying, see ``reset.RESET_SIGMA_S``."""
+
+    def with_navigation(self, navigation: Navigation) -> "VelocityAidedState":
+        """The same with another estimate, which the next step shows."""
+        return VelocityAidedState(
+            self.q_nb,
+            self.gyro_bias,
+            self.accel_used,
+            self.mag_used,
+            self.tilt_sigma,
+            self.heading_sigma,
+            self.alignment,
+            navigation,
+            self.gap_s,
+            self.reset_by_innovations,
+            self.reset_sigma,
+        )
 
     @property
     def aligned(self) -> bool:
@@ -100,6 +117,21 @@ class VelocityAidedState(FilterState):
         if navigation is None or self.alignment is not None or not navigation.has_stepped:
             return None
         return navigation
+
+
+def aligning_state(
+    q_nb: Quat,
+    bias: Vec3,
+    alignment: Alignment,
+    navigation: Navigation | None,
+    gap_s: float,
+    reset_by_innovations: bool,
+    reset_sigma: float,
+) -> VelocityAidedState:
+    """The state of an alignment that is not over."""
+    return VelocityAidedState(
+        q_nb, bias, False, False, pi, pi, alignment, navigation, gap_s, reset_by_innovations, reset_sigma
+    )
 
 
 def _fallback_name(mode: AidingMode) -> str:

@@ -17,7 +17,15 @@ from attest_mav.mavlink.component.parameter_request import MAX_TRIES, Answer, Pa
 from attest_mav.mavlink.constants import MAV_AUTOPILOT_INVALID
 from attest_mav.mavlink.decode.autopilot_parameters import names_of
 from attest_mav.vehicle_reports import ParameterSample
-from attest_mav.vehicle_settings import Setting, VehicleSettings, quantity, with_unit
+from attest_mav.vehicle_settings import (
+    ACCELEROMETERS,
+    MAGNETOMETERS,
+    SENSOR_NUMBERS,
+    Setting,
+    VehicleSettings,
+    quantity,
+    with_unit,
+)
 
 SPACING_NS: Final = 50_000_000
 """Two requests are at least this far apart: a slow radio link carries them beside everything else."""
@@ -40,6 +48,15 @@ HOVER_SETTINGS: Final = (Setting.HOVER_PITCH_TRIM, Setting.TAILSITTER, Setting.H
 """Requested besides of a plane that hovers; others do not have them."""
 
 
+def settings_of_sensor(source: str) -> list[Setting]:
+    """Requested of each inertial source that is heard: what tells its sensors from others."""
+    number = SENSOR_NUMBERS.get(source)
+    if number is None:
+        return []
+    accel, mag = ACCELEROMETERS[number], MAGNETOMETERS[number]
+    return [Setting.BOARD_ORIENTATION, accel.device, *accel.offset, mag.device, *mag.offset]
+
+
 class AutopilotSettings:
     """The settings of one vehicle and the open requests for them. ``poll`` returns names to request; it does not send.
 
@@ -59,6 +76,8 @@ class AutopilotSettings:
         self._notebook: Final = notebook
         self._open: list[ParameterRequest] = []
         self._noted: dict[Setting, str] = {}
+        self._sensors: Final[set[str]] = set()
+        self._identified: Final[set[Setting]] = set()
         self._known: Final[dict[Setting, float]] = {}
         self._quiet_ns: Final[dict[Setting, int]] = {}
         self._lines: Final = LineLimit()
@@ -72,14 +91,29 @@ class AutopilotSettings:
         self._autopilot, self._is_plane, self.hovers = autopilot, is_plane, False
         self._next_ns = now_ns
         self._request([*self._wanted, *FRAME_SETTINGS], now_ns)
+        self._forget_sensors()
+
+    def identify(self, source: str, now_ns: int) -> None:
+        """Request what tells the sensors of this source, which was heard, from others; once for each boot."""
+        if source in self._sensors:
+            return
+        self._sensors.add(source)
+        fresh = [one for one in settings_of_sensor(source) if one not in self._identified]
+        self._identified.update(fresh)
+        self._request(fresh, now_ns)
 
     def forget(self) -> None:
         """Drop all requests and notes: there is no vehicle any more, or another one."""
         self._open = []
         self._noted = {}
+        self._forget_sensors()
         self._known.clear()
         self._quiet_ns.clear()
         self.doubts.clear()
+
+    def _forget_sensors(self) -> None:
+        self._sensors.clear()
+        self._identified.clear()
 
     @property
     def is_answered(self) -> bool:

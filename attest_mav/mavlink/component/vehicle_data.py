@@ -60,6 +60,8 @@ class DataSettings:
     """Those of ``POSITION_MESSAGES`` that are requested."""
     default_settings: VehicleSettings = field(default_factory=VehicleSettings)
     """The filter's own values of the vehicle's settings; those that are not NaN are requested."""
+    identifies: bool = False
+    """Whether the settings that tell a sensor from others are requested."""
 
 
 class VehicleData:
@@ -158,9 +160,10 @@ class VehicleData:
 
     def imu_taken(self, source: str, now_ns: int) -> bool:
         """Take note of a decoded sample from this source (``RAW_IMU``, ``RAW_IMU#1``); True when it is in use."""
-        if self._choice is not None and self._choice.take(source, now_ns):
-            return True
-        return self._further.take(source)
+        is_used = (self._choice is not None and self._choice.take(source, now_ns)) or self._further.take(source)
+        if is_used and self._settings.identifies:
+            self.autopilot_settings.identify(source, now_ns)
+        return is_used
 
     @property
     def further_imu(self) -> tuple[str, ...]:

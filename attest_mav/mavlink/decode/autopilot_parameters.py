@@ -21,11 +21,13 @@ from attest_mav.record import Record
 from attest_mav.samples import Sample
 from attest_mav.types import VehicleKind
 from attest_mav.vehicle_reports import ParameterSample
-from attest_mav.vehicle_settings import Setting, VehicleSettings
+from attest_mav.vehicle_settings import ACCELEROMETERS, MAGNETOMETERS, SensorSettings, Setting, VehicleSettings
 
 DEGREE: Final = pi / 180.0
 WORD: Final = float(1 << 31)
 """Above the largest bit field."""
+LARGEST_OFFSET: Final = 100.0
+"""m/s^2 or gauss: of a sensor."""
 
 
 class Parameter(Record):
@@ -68,6 +70,27 @@ def _of_planes(name: str, setting: Setting, unit: float, low: float, high: float
     return Parameter(name, ARDUPILOT, setting, unit, low, high, planes_only=True)
 
 
+def _of_sensor(autopilot: int, sensor: SensorSettings, device: str, offset: str, unit: float) -> list[Parameter]:
+    """The parameters of one sensor. offset: their name with AXIS for the axis. unit: below 0 for one that is added."""
+    parameters = [Parameter(device, autopilot, sensor.device, 1.0, -WORD, WORD)]
+    largest = LARGEST_OFFSET / abs(unit)
+    for axis, setting in zip("XYZ", sensor.offset, strict=True):
+        parameters.append(Parameter(offset.replace("AXIS", axis), autopilot, setting, unit, -largest, largest))
+    return parameters
+
+
+def _of_sensors() -> list[Parameter]:
+    """The parameters of all sensors. ArduPilot adds the offset of a compass, in milligauss; PX4 counts from 0."""
+    parameters: list[Parameter] = []
+    for place in range(len(ACCELEROMETERS)):
+        accel, mag, number = ACCELEROMETERS[place], MAGNETOMETERS[place], "" if place == 0 else str(place + 1)
+        parameters += _of_sensor(ARDUPILOT, accel, f"INS_ACC{number}_ID", f"INS_ACC{number}OFFS_AXIS", 1.0)
+        parameters += _of_sensor(ARDUPILOT, mag, f"COMPASS_DEV_ID{number}", f"COMPASS_OFS{number}_AXIS", -1e-3)
+        parameters += _of_sensor(PX4, accel, f"CAL_ACC{place}_ID", f"CAL_ACC{place}_AXISOFF", 1.0)
+        parameters += _of_sensor(PX4, mag, f"CAL_MAG{place}_ID", f"CAL_MAG{place}_AXISOFF", 1.0)
+    return parameters
+
+
 PARAMETERS: Final = (
     Parameter("INS_GYRO_FILTER", ARDUPILOT, Setting.LOW_PASS_HZ, 1.0, 1.0, 1000.0),
     Parameter("INS_ACCEL_FILTER", ARDUPILOT, Setting.ACCEL_LOW_PASS_HZ, 1.0, 1.0, 1000.0),
@@ -89,9 +112,17 @@ PARAMETERS: Final = (
     _of_planes("Q_TRIM_PITCH", Setting.HOVER_PITCH_TRIM, DEGREE, -45.0, 45.0),
     _of_planes("Q_TAILSIT_ENABLE", Setting.TAILSITTER, 1.0, 1.0, 2.0),
     _of_planes("Q_FRAME_CLASS", Setting.HOVER_FRAME, 1.0, 1.0, 255.0),
+    Parameter("AHRS_ORIENTATION", ARDUPILOT, Setting.BOARD_ORIENTATION, 1.0, 1.0, 255.0),
+    Parameter("SENS_BOARD_ROT", PX4, Setting.BOARD_ORIENTATION, 1.0, 1.0, 255.0),
+    *_of_sensors(),
 )
 """ArduPilot 4.6 gave GPS_DELAY_MS its new name, and 4.5 TRIM_PITCH_CD (in hundredths); of PX4's two delays the second
-is the newer. AHRS_TRIM is limited to 10 degrees where the autopilot calibrates it, and not where a user sets it."""
+is the newer. AHRS_TRIM is limited to 10 degrees where the autopilot calibrates it, and not where a user sets it.
+
+ArduPilot's n-th accelerometer and n-th compass are those of its n-th inertial message: it puts the parameters of its
+compasses into their order of priority when it boots. Offsets apply before scale factors, and those of accelerometers
+before the rotation of the board. (AP_InertialSensor_Backend.cpp, AP_Compass_Backend.cpp, AP_Compass.cpp; PX4's
+sensor_calibration.)"""
 
 ROVER_LOW_PASS_HZ: Final = 4.0
 """ArduPilot's default of INS_GYRO_FILTER on ground vehicles and boats, Hz; 20 on all others."""

@@ -47,20 +47,22 @@ class RecordFolder:
                     found.append(Recording(int(match[1]), Path(entry.path), entry.stat().st_size))
         return sorted(found)
 
-    def open_next(self, calibration: bytes = b"") -> tuple[int, Path]:
-        """The descriptor and the path of a new file. calibration: text of the file beside it; empty for none."""
+    def open_next(self) -> tuple[int, Path]:
+        """The descriptor and the path of a new file."""
         number = max((one.number for one in self.recordings()), default=0) + 1
         path = self._path / f"attest-mav-{number:05d}-{time.strftime('%Y%m%dT%H%M%SZ', time.gmtime())}.tlog"
-        descriptor = _create(path)
-        if calibration:
+        return _create(path), path
+
+    def write_beside(self, recording: Path, calibration: bytes) -> None:
+        """Write the calibration that a recording began with; OSError where the disk does not take all of it."""
+        path = beside(recording)
+        with open(_create(path), "wb") as file:
             try:
-                with open(_create(beside(path)), "wb") as file:
-                    file.write(calibration)
+                file.write(calibration)
+                file.flush()
             except OSError:
-                os.close(descriptor)
-                self._delete(path)
+                path.unlink(missing_ok=True)
                 raise
-        return descriptor, path
 
     def has_room(self, current: Path | None) -> bool:
         """Delete the oldest files while limits are exceeded, never the current one; whether that was enough."""

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from attest_mav.runtime.files import reason_of
-from attest_mav.runtime.recorder.folder import RecordFolder
+from attest_mav.runtime.recorder.folder import RecordFolder, beside
 
 log = logging.getLogger("attest_mav.record")
 
@@ -57,6 +57,7 @@ class Writer:
         self._queue: Final[queue.Queue[Part | None]] = queue.Queue(QUEUED_PARTS)
         self._fd: int | None = None
         self._opening = self._calibration = b""
+        self._lacks_calibration = False
         self._sync_s = 0.0
         self._retry_s = 0.0
         self._thread: Final = threading.Thread(target=self._work, name="record", daemon=True)
@@ -110,10 +111,13 @@ class Writer:
                 return
         if not part.data:
             return
-        if self._fd is None:
-            self._fd, self.path = self._folder.open_next(self._calibration)
+        is_new = self._fd is None
+        if is_new:
+            self._fd, self.path = self._folder.open_next()
             self._write(self._opening)
         self._write(part.data)
+        if is_new and self.path is not None and self._calibration:
+            self._write_beside(self.path)
         if self.complaint:
             log.info("recording again, into %s", self.path)
             self.complaint = ""
@@ -124,6 +128,18 @@ class Writer:
             count = os.write(fd, data)
             self.written_bytes += count
             data = data[count:]
+
+    def _write_beside(self, path: Path) -> None:
+        """Write the calibration beside a new recording, which goes on without one; a failure is told once."""
+        try:
+            self._folder.write_beside(path, self._calibration)
+        except OSError as error:
+            if not self._lacks_calibration:
+                lost = "a replay of the recording begins without the calibration"
+                log.warning("cannot write %s: %s; %s", beside(path), reason_of(error), lost)
+            self._lacks_calibration = True
+            return
+        self._lacks_calibration = False
 
     def _fail(self, complaint: str, frames: int) -> None:
         """Tell a failure once, and try again later with a new file."""

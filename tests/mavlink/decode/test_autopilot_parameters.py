@@ -57,6 +57,16 @@ def as_float(number):
         (b"COMPASS_DEC", -0.35, REAL32, Setting.DECLINATION, -0.35),
         (b"COMPASS_AUTODEC", 1.0, INT16, Setting.AUTO_DECLINATION, 1.0),
         (b"EKF2_MAG_DECL", -20.0, REAL32, Setting.DECLINATION, math.radians(-20.0)),
+        (b"AHRS_ORIENTATION", 4.0, INT16, Setting.BOARD_ORIENTATION, 4.0),
+        (b"SENS_BOARD_ROT", as_float(4), INT32, Setting.BOARD_ORIENTATION, 4.0),
+        (b"INS_ACC_ID", 2753028.0, INT32, Setting.ACCEL_1_DEVICE, 2753028.0),
+        (b"INS_ACC3OFFS_Z", -0.25, REAL32, Setting.ACCEL_3_OFFSET_Z, -0.25),
+        (b"COMPASS_DEV_ID2", 97539.0, INT32, Setting.MAG_2_DEVICE, 97539.0),
+        (b"COMPASS_OFS_Y", 120.0, REAL32, Setting.MAG_1_OFFSET_Y, -0.12),  # ArduPilot adds it
+        (b"CAL_ACC1_ID", as_float(2753036), INT32, Setting.ACCEL_2_DEVICE, 2753036.0),
+        (b"CAL_ACC0_XOFF", 0.1, REAL32, Setting.ACCEL_1_OFFSET_X, 0.1),
+        (b"CAL_MAG0_ID", as_float(396809), INT32, Setting.MAG_1_DEVICE, 396809.0),
+        (b"CAL_MAG2_YOFF", 0.12, REAL32, Setting.MAG_3_OFFSET_Y, 0.12),  # PX4 subtracts it
     ],
 )
 def test_what_autopilots_tell(hear, name, value, kind, setting, expected):
@@ -90,6 +100,8 @@ def test_ardupilots_zero_is_a_drivers_own_delay(hear, name):
         (b"AHRS_TRIM_X", 4.0, REAL32),
         (b"PTCH_TRIM_DEG", 200.0, REAL32),
         (b"COMPASS_DEC", -20.0, REAL32),
+        (b"INS_ACC_ID", math.nan, REAL32),
+        (b"COMPASS_OFS_X", 1e6, REAL32),
     ],
 )
 def test_a_value_that_cannot_be_meant_is_refused(hear, name, value, kind):

@@ -211,7 +211,7 @@ def _with_iron(
     """
     covariance = mat_scale(found.covariance, square(fit.strength))
     apart = decoupled(nav.covariance, ErrorBlock.HARD_IRON, covariance)
-    nav = nav.with_hard_iron(scale(found.iron, fit.strength), apart)
+    nav = nav.with_sensor_errors(nav.accel_bias, scale(found.iron, fit.strength), apart)
     field = fit.moments.field(found.iron)
     off = wrap_pi(north - atan2(field[1], field[0]) - fit.corrected)
     is_lost = not fit.has_replaced and _was_there(fit, found)

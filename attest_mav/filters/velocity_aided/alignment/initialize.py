@@ -7,7 +7,7 @@ chapter 3; which errors survive a reset is the choice of this filter: all of the
 from math import isfinite
 from typing import Final
 
-from attest_mav.filters.calibration import SensorCalibration
+from attest_mav.filters.calibration import SensorCalibration, SensorErrors
 from attest_mav.filters.velocity_aided.aids.airspeed import unknown_wind
 from attest_mav.filters.velocity_aided.aids.fallback import Fallback
 from attest_mav.filters.velocity_aided.aids.gnss_velocity import initial_gnss_velocity
@@ -100,7 +100,7 @@ def _first_state(
     bias: Vec3,
     declination_known: bool,
     parameters: FlightParameters,
-    begun_with: SensorCalibration | None,
+    begun_with: SensorErrors | None,
 ) -> NavigationState:
     """The state of a first start. bias: of the gyro, rad/s."""
     declination_sigma = parameters.declination_sigma if declination_known else UNKNOWN_DECLINATION
