@@ -111,6 +111,17 @@ def plus_scaled_rows(m: Mat3, k: Vec3, n: Mat3) -> Mat3:
     )
 
 
+def plus_scaled(m: Mat3, k: float, n: Mat3) -> Mat3:
+    """m + k n."""
+    (a, b, c), (d, e, f), (g, h, i) = m
+    (r, s, t), (u, v, w), (x, y, z) = n
+    return (
+        (a + k * r, b + k * s, c + k * t),
+        (d + k * u, e + k * v, f + k * w),
+        (g + k * x, h + k * y, i + k * z),
+    )
+
+
 def inverse(m: Mat3) -> Mat3:
     """m^-1 by cofactors; m must not be singular."""
     (a, b, c), (d, e, f), (g, h, i) = m

@@ -28,9 +28,9 @@ class Smoothed:
     attitude: Array
     """Body to NED, a matrix."""
     x: Array
-    """The 21 components; those of the attitude are zero."""
+    """The 24 components; those of the attitude are zero."""
     spread: Array
-    """Variances of all 21 errors."""
+    """Variances of all 24 errors."""
 
 
 def smoothed_of(rows: Rows) -> Smoothed:

@@ -19,10 +19,9 @@ from attest_mav.filters.velocity_aided.aids.iron_fit import (
 )
 from attest_mav.filters.velocity_aided.parameters import FlightParameters
 from attest_mav.smoothing.readings import Recording
-from attest_mav.smoothing.rotations import Array
+from attest_mav.smoothing.rotations import Array, vec3
 from attest_mav.smoothing.strength_fit import FIELD_NOISE, FittedIron, StrengthFit, fitted
 from attest_mav.smoothing.tables import RUN, Rows, Table
-from attest_mav.types import Vec3
 
 LARGEST_MISFIT: Final = 0.05
 """1. Share of the readings without it in a recording whose iron is always there."""
@@ -139,14 +138,14 @@ class _Strengths:
     def _fit(self, first: int, end: int) -> StrengthFit:
         """The moments of a part of the readings."""
         sums = self._moments(end) - self._moments(first)
-        matrix = (_vector(sums[5:8]), _vector(sums[8:11]), _vector(sums[11:14]))
+        matrix = (vec3(sums[5:8]), vec3(sums[8:11]), vec3(sums[11:14]))
         return StrengthFit(
-            _vector(self._first),
+            vec3(self._first),
             float(sums[0]),
-            _vector(sums[1:4]),
+            vec3(sums[1:4]),
             float(sums[4]),
             matrix,
-            _vector(sums[14:17]),
+            vec3(sums[14:17]),
             float(sums[17]),
         )
 
@@ -183,8 +182,3 @@ def _has(u: Array, found: FittedIron) -> NDArray[np.bool_]:
     without = np.sqrt((u**2).sum(axis=1)) - found.strength
     out: NDArray[np.bool_] = np.abs(_strength(u, found)) < np.abs(without)
     return out
-
-
-def _vector(v: Array) -> Vec3:
-    x, y, z = v.tolist()
-    return (x, y, z)

@@ -5,8 +5,16 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from attest_mav.types import Vec3
+
 Array = NDArray[np.float64]
 """Vectors have a last axis of 3, quaternions (w, x, y, z) of 4, matrices last axes of 3 by 3."""
+
+
+def vec3(v: Array) -> Vec3:
+    """Three numbers as the compiled core takes them."""
+    x, y, z = v.tolist()
+    return (x, y, z)
 
 
 def _levi_civita() -> Array:

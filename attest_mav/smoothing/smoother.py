@@ -24,9 +24,11 @@ from attest_mav.smoothing.noise import CLASSES, NoiseClass
 from attest_mav.smoothing.parts import Parts
 from attest_mav.smoothing.problems import Problems
 from attest_mav.smoothing.readings import Recording
+from attest_mav.smoothing.rotations import Array, vec3
 from attest_mav.smoothing.selection import median
 from attest_mav.smoothing.starts import Starts
 from attest_mav.smoothing.tables import Table
+from attest_mav.types import Mat3
 
 PASSES: Final = 2
 """Backward passes."""
@@ -126,10 +128,12 @@ def _begun_with(known: SensorErrors, recording: Recording) -> Begun:
 def _is_refuted(smoothed: Table, begun: Begun) -> bool:
     """Whether the first of the smoothed states contradicts the errors that it began with."""
     first = smoothed_of(smoothed.rows(0, 1))
-    return any(
-        has_left(tuple(first.x[0, place].tolist()), np.diag(first.spread[0, place]).tolist(), error)
-        for place, error in begun
-    )
+    return any(has_left(vec3(first.x[0, place]), _diagonal(first.spread[0, place]), error) for place, error in begun)
+
+
+def _diagonal(v: Array) -> Mat3:
+    x, y, z = v.tolist()
+    return ((x, 0.0, 0.0), (0.0, y, 0.0), (0.0, 0.0, z))
 
 
 def _lags_of(smoothed: Table) -> Lags:

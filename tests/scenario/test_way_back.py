@@ -25,6 +25,7 @@ def wrong(pipeline, rng):
         q_mul(q_exp(scale(axis, 0.5 * rng.uniform(radians(20.0), pi))), nav.q_nb),
         add(nav.velocity, tuple(rng.gauss(0.0, 5.0) for _ in range(3))),
         add(nav.gyro_bias, tuple(radians(rng.gauss(0.0, 1.5)) for _ in range(3))),
+        nav.gyro_drift,
         nav.gyro_scale,
         nav.accel_bias,
         nav.hard_iron,

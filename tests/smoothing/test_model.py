@@ -59,7 +59,7 @@ def test_an_interval_is_the_same_as_the_live_filters_steps(samples, intervals):
     length = np.linalg.norm(Q)
     q_nb = tuple(float(part / length) for part in Q)
     live = live_after(samples, q_nb, 0, STEPS)
-    x = np.zeros((1, 21))
+    x = np.zeros((1, 24))
     x[0, 3:6] = 1.0, 2.0, 3.0
     p = first_covariance(declination_known=True, parameters=PARAMETERS)
     p[:3, :3], p[3:6, 3:6] = np.diag([0.01, 0.02, 0.03]), 0.25 * np.eye(3)
@@ -67,25 +67,27 @@ def test_an_interval_is_the_same_as_the_live_filters_steps(samples, intervals):
     Prediction(intervals, 1, PARAMETERS).predict(state, 0)
     np.testing.assert_allclose(state.attitude[0], matrices(np.array(live.q_nb)), atol=1e-9)
     np.testing.assert_allclose(state.x[0, 3:6], live.velocity, atol=1e-9)
-    names = "tvbsamd"
+    names = "tvbsamdr"
     for row, one in enumerate(names):
         for column, other in list(enumerate(names))[row:]:
             theirs = np.array(getattr(live.covariance, one + other))
             ours = state.p[0, 3 * row : 3 * row + 3, 3 * column : 3 * column + 3]
-            np.testing.assert_allclose(ours, theirs, rtol=2e-3, atol=3e-3 * np.abs(theirs).max() + 1e-12)
+            # The live filter lets the drift of a step act from the next step on: a tenth of what ten steps make.
+            share = 3e-3 if other != "r" or one not in "tv" else 0.15
+            np.testing.assert_allclose(ours, theirs, rtol=2e-3, atol=share * np.abs(theirs).max() + 1e-12)
 
 
 def test_the_transition_is_the_derivative_of_the_motion(intervals):
     attitude = matrices(np.array([[0.6, 0.0, 0.8, 0.0]]))
 
     def moved(x):
-        state = State(attitude.copy(), x.copy(), np.tile(np.eye(21), (1, 1, 1)), np.zeros(1), np.zeros(1))
+        state = State(attitude.copy(), x.copy(), np.tile(np.eye(24), (1, 1, 1)), np.zeros(1), np.zeros(1))
         phi = Prediction(intervals, 1, PARAMETERS).predict(state, 0)
         return state, phi
 
-    base, phi = moved(np.zeros((1, 21)))
-    for place in range(6, 15):
-        x = np.zeros((1, 21))
+    base, phi = moved(np.zeros((1, 24)))
+    for place in (*range(6, 15), 21, 22, 23):
+        x = np.zeros((1, 24))
         x[0, place] = 1e-6
         off, _ = moved(x)
         np.testing.assert_allclose((off.x - base.x)[0, 3:6] / 1e-6, phi[0, 3:6, place], atol=1e-5)

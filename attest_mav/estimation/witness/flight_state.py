@@ -197,6 +197,7 @@ def on_another_sensor(
         nav.q_nb,
         nav.velocity,
         add(nav.gyro_bias, gyro_offset),
+        nav.gyro_drift,
         nav.gyro_scale,
         add(nav.accel_bias, accel_offset),
         theirs.hard_iron,

@@ -10,7 +10,7 @@ from attest_mav.filters.velocity_aided.covariance import Covariance
 from attest_mav.matrices import diagonal, floor_diagonal, mat_add, mat_mul, mat_mul_t, transpose
 from attest_mav.types import Mat3, Vec3
 
-COUNT: Final = 7
+COUNT: Final = 8
 """Number of error vectors."""
 
 
@@ -31,6 +31,8 @@ class ErrorBlock(IntEnum):
     """Body, gauss."""
     DELAYS = 6
     """Lag of the magnetometer (s), lag of the velocity fixes (s), declination error (rad)."""
+    GYRO_DRIFT = 7
+    """Drift rate of the gyro bias, body, rad/s^2."""
 
 
 MAG_LAG: Final = 0
@@ -59,15 +61,20 @@ def with_added_variance(p: Covariance, error: ErrorBlock, variance: Vec3) -> Cov
 
 
 def with_gyro_bias_floor(p: Covariance, least: float) -> Covariance:
-    """P with no variance of the gyro bias below ``least``, (rad/s)^2; written out, since rest asks it all the time."""
+    """P with no variance of the gyro bias below ``least``, (rad/s)^2; written out, since rest asks it all the time.
+
+    A bias that hides within ``least`` may drift unseen: its drift rate becomes independent of all other errors.
+    """
+    none = diagonal(0.0)
     return Covariance(
-        p.tt, p.tv, p.tb, p.ts, p.ta, p.tm, p.td,
-        p.vv, p.vb, p.vs, p.va, p.vm, p.vd,
-        floor_diagonal(p.bb, least), p.bs, p.ba, p.bm, p.bd,
-        p.ss, p.sa, p.sm, p.sd,
-        p.aa, p.am, p.ad,
-        p.mm, p.md,
-        p.dd,
+        p.tt, p.tv, p.tb, p.ts, p.ta, p.tm, p.td, none,
+        p.vv, p.vb, p.vs, p.va, p.vm, p.vd, none,
+        floor_diagonal(p.bb, least), p.bs, p.ba, p.bm, p.bd, none,
+        p.ss, p.sa, p.sm, p.sd, none,
+        p.aa, p.am, p.ad, none,
+        p.mm, p.md, none,
+        p.dd, none,
+        p.rr,
     )  # fmt: skip
 
 

@@ -48,6 +48,7 @@ class NavigationState(Record):
         q_nb: Quat,
         velocity: Vec3,
         gyro_bias: Vec3,
+        gyro_drift: Vec3,
         gyro_scale: Vec3,
         accel_bias: Vec3,
         hard_iron: Vec3,
@@ -62,6 +63,8 @@ class NavigationState(Record):
         """NED, m/s."""
         self.gyro_bias: Final = gyro_bias
         """Body, rad/s; to be subtracted from the gyro."""
+        self.gyro_drift: Final = gyro_drift
+        """Body, rad/s^2: rate at which that bias changes."""
         self.gyro_scale: Final = gyro_scale
         """Per axis of the body, 1: share of each rate that the gyro shows too much."""
         self.accel_bias: Final = accel_bias
@@ -93,12 +96,34 @@ class NavigationState(Record):
         """False once a variance is negative or not a number, or the quaternion has no unit length."""
         return self.covariance.is_valid and 0.5 < q_norm(self.q_nb) < 2.0
 
-    def propagated(self, q_nb: Quat, velocity: Vec3, covariance: Covariance) -> "NavigationState":
+    def propagated(
+        self, q_nb: Quat, velocity: Vec3, dt_s: float, drift_kept: float, covariance: Covariance
+    ) -> "NavigationState":
+        """The state after a step of ``dt_s``: the gyro bias drifts, the other sensor errors stay.
+
+        drift_kept: share of the drift rate that outlasts the step, 1.
+        """
+        return NavigationState(
+            q_nb,
+            velocity,
+            add(self.gyro_bias, scale(self.gyro_drift, dt_s)),
+            scale(self.gyro_drift, drift_kept),
+            self.gyro_scale,
+            self.accel_bias,
+            self.hard_iron,
+            self.mag_lag_s,
+            self.fix_lag_s,
+            self.declination_error,
+            covariance,
+        )
+
+    def with_motion(self, q_nb: Quat, velocity: Vec3, covariance: Covariance) -> "NavigationState":
         """The state with another attitude and velocity; the sensor errors stay."""
         return NavigationState(
             q_nb,
             velocity,
             self.gyro_bias,
+            self.gyro_drift,
             self.gyro_scale,
             self.accel_bias,
             self.hard_iron,
@@ -114,7 +139,7 @@ class NavigationState(Record):
         attitude: covariance of the attitude error, rad^2. velocity_variance: (m/s)^2 an axis.
         """
         p = decoupled(self.covariance, ErrorBlock.ATTITUDE, attitude)
-        return self.propagated(q_nb, velocity, decoupled(p, ErrorBlock.VELOCITY, diagonal(velocity_variance)))
+        return self.with_motion(q_nb, velocity, decoupled(p, ErrorBlock.VELOCITY, diagonal(velocity_variance)))
 
     def corrected(self, cross_cov: CrossCovariance, gain: float, covariance: Covariance) -> "NavigationState":
         """The state after the correction ``gain`` times P h, which an error-state filter takes into the state at once.
@@ -126,6 +151,7 @@ class NavigationState(Record):
             q_unit(q_mul(q_exp(scale(cross_cov.t, 0.5 * gain)), self.q_nb)),
             add(self.velocity, scale(cross_cov.v, gain)),
             add(self.gyro_bias, scale(cross_cov.b, gain)),
+            add(self.gyro_drift, scale(cross_cov.r, gain)),
             add(self.gyro_scale, scale(cross_cov.s, gain)),
             add(self.accel_bias, scale(cross_cov.a, gain)),
             add(self.hard_iron, scale(cross_cov.m, gain)),
@@ -143,6 +169,7 @@ class NavigationState(Record):
             self.q_nb,
             self.velocity,
             self.gyro_bias,
+            self.gyro_drift,
             self.gyro_scale,
             self.accel_bias,
             self.hard_iron,
@@ -158,6 +185,7 @@ class NavigationState(Record):
             self.q_nb,
             self.velocity,
             self.gyro_bias,
+            self.gyro_drift,
             self.gyro_scale,
             accel_bias,
             hard_iron,
@@ -170,11 +198,11 @@ class NavigationState(Record):
     def turned(self, heading: float) -> "NavigationState":
         """The state turned about the vertical by this angle, rad."""
         q = q_heading(heading)
-        return self.propagated(q_mul(q, self.q_nb), rotate(q, self.velocity), turned(self.covariance, q_to_matrix(q)))
+        return self.with_motion(q_mul(q, self.q_nb), rotate(q, self.velocity), turned(self.covariance, q_to_matrix(q)))
 
     def with_covariance(self, covariance: Covariance) -> "NavigationState":
         """The same estimate with another covariance."""
-        return self.propagated(self.q_nb, self.velocity, covariance)
+        return self.with_motion(self.q_nb, self.velocity, covariance)
 
     def with_added_variance(self, error: ErrorBlock, variance: Vec3) -> "NavigationState":
         """The same estimate, one of its errors less certain by these variances."""

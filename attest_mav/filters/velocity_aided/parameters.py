@@ -21,6 +21,8 @@ _POSITIVE: Final = (
     "mag_gate",
     "aliasing_hold_s",
     "disturbance_hold_s",
+    "gyro_drift_s",
+    "accel_noise_seen_s",
     "align_tilt",
     "align_heading",
     "gravity",
@@ -59,6 +61,11 @@ class FlightParameters(Record):
     """gauss per root s. Drift of that bias."""
     gyro_bias_sigma: float = radians(0.3)
     """rad/s. 1-sigma of the gyro's bias at the start, per axis."""
+    gyro_drift_sigma: float = 2.5e-5
+    """rad/s^2. 1-sigma of the rate at which that bias drifts, as it does while a sensor warms up: 0.09 deg/s a minute;
+    0 leaves it out of the state."""
+    gyro_drift_s: float = 300.0
+    """s. Time constant with which such a drift ends."""
     gyro_scale_sigma: float = 0.004
     """1. 1-sigma of the gyro's scale error, per axis; 0 leaves it out of the state."""
     accel_bias_sigma: float = 0.123
@@ -71,9 +78,14 @@ class FlightParameters(Record):
     """rad per root s. White noise of the gyro; in flight the larger one counts that its readings show."""
     gyro_rate_noise: float = 5e-4
     """rad per root s for each rad/s. Noise that grows with the rate: misalignment, timing."""
-    accel_noise: float = 0.047
+    accel_noise: float = 0.01
     """m/s per root s. White noise of the accelerometer; in flight the larger one counts that its readings show."""
-    gyro_bias_walk: float = 2.2e-4
+    accel_noise_unseen: float = 0.047
+    """m/s per root s. The same while readings that change have not shown it: a weak witness of bias against tilt must
+    not count before the take-off is over."""
+    accel_noise_seen_s: float = 40.0
+    """s. Length of such readings that halves this variance, as the prior of a variance fades in its mean."""
+    gyro_bias_walk: float = 1.6e-4
     """rad/s per root s. Drift of the gyro's bias. Too small and the estimate cannot follow a warming gyro; too large
     and the heading wanders with every disturbance of the field."""
     accel_bias_walk: float = 1e-4

@@ -10,7 +10,7 @@ from math import exp, pi, sqrt
 from typing import Final
 
 from attest_mav.algebra import add, largest, mat_vec, norm, q_exp, q_mul, q_to_matrix, q_unit, scale, square, sub
-from attest_mav.filters.velocity_aided.covariance import ProcessNoise, propagated
+from attest_mav.filters.velocity_aided.covariance import ProcessNoise, drifted, propagated
 from attest_mav.filters.velocity_aided.history import DeltaVelocityHistory, appended
 from attest_mav.filters.velocity_aided.imu_memory import ImuMemory, ThreePoint, three_point_of
 from attest_mav.filters.velocity_aided.nav_state import (
@@ -69,8 +69,10 @@ def predict(
     noise = _process_noise(norm(rate), memory_after, heading_noise, rotation_dt, dt_s, parameters)
     velocity_change = deadband(sub(velocity, nav.velocity), DEADBAND_ACCEL * dt_s)
     lever = (velocity_change[0], velocity_change[1], velocity_change[2] - gravity_dt)
+    drift_kept = max(0.0, 1.0 - dt_s / parameters.gyro_drift_s)
     covariance = propagated(nav.covariance, rotation_dt, lever, deadband(rate, DEADBAND_RATE), noise)
-    return nav.propagated(q_nb, velocity, covariance), memory_after
+    covariance = drifted(covariance, dt_s, drift_kept)
+    return nav.propagated(q_nb, velocity, dt_s, drift_kept, covariance), memory_after
 
 
 def _remember(
@@ -135,15 +137,19 @@ def _process_noise(
     """The noise of a step at this rate, rad/s. rotation_dt: body to NED times the step."""
     x, y, z = memory.accel_aliasing
     share = square(parameters.accel_aliasing)
-    white = max(square(parameters.accel_noise) / dt_s, memory.accel_white.variance)
-    least = max(white, share * OTHER_AXES**2 * (x * x + y * y + z * z))
-    unseen = (max(share * x * x, least), max(share * y * y, least), max(share * z * z, least))
+    seen_s = parameters.accel_noise_seen_s
+    unseen_share = seen_s / (seen_s + memory.accel_white.changing_s)
+    least = max(square(parameters.accel_noise), square(parameters.accel_noise_unseen) * unseen_share)
+    white = max(least / dt_s, memory.accel_white.variance)
+    every_axis = max(white, share * OTHER_AXES**2 * (x * x + y * y + z * z))
+    hidden = (max(share * x * x, every_axis), max(share * y * y, every_axis), max(share * z * z, every_axis))
     gyro_noise = max(parameters.gyro_noise, sqrt(memory.gyro_white.variance * dt_s))
     return ProcessNoise(
         square(gyro_noise + parameters.gyro_rate_noise * rate) * dt_s
         + square(parameters.gyro_aliasing * memory.gyro_aliasing * dt_s),
-        add_diagonal(rotated_diagonal(rotation_dt, unseen), heading_noise),
+        add_diagonal(rotated_diagonal(rotation_dt, hidden), heading_noise),
         square(parameters.gyro_bias_walk) * dt_s,
         square(parameters.accel_bias_walk) * dt_s if parameters.accel_bias_sigma > 0.0 else 0.0,
         square(parameters.hard_iron_walk) * dt_s if parameters.hard_iron > 0.0 else 0.0,
+        2.0 * square(parameters.gyro_drift_sigma) * dt_s / parameters.gyro_drift_s,
     )

@@ -25,7 +25,9 @@ AXES: Final = 3.0
 class WhiteNoise(Record):
     """Mean products of the second differences of late."""
 
-    def __init__(self, newest: Vec3, earlier: Vec3, by_one: float, by_two: float, memory_s: float) -> None:
+    def __init__(
+        self, newest: Vec3, earlier: Vec3, by_one: float, by_two: float, memory_s: float, changing_s: float
+    ) -> None:
         self.newest: Final = newest
         """The last second difference, in the sensor's unit."""
         self.earlier: Final = earlier
@@ -35,6 +37,8 @@ class WhiteNoise(Record):
         self.by_two: Final = by_two
         """Estimate of the variance by the next but one, E[d_k . d_k-2] / 3, unit^2."""
         self.memory_s: Final = memory_s
+        self.changing_s: Final = changing_s
+        """Time in which the readings have changed, s: a sensor at rest in a simulator shows no noise at all."""
         """Time over which these are means, s."""
 
     @property
@@ -46,7 +50,7 @@ class WhiteNoise(Record):
 def no_white_noise() -> WhiteNoise:
     """Before the first second difference."""
     zero: Vec3 = (0.0, 0.0, 0.0)
-    return WhiteNoise(zero, zero, 0.0, 0.0, 0.0)
+    return WhiteNoise(zero, zero, 0.0, 0.0, 0.0, 0.0)
 
 
 def observed(before: WhiteNoise, difference: Vec3, dt_s: float) -> WhiteNoise:
@@ -61,4 +65,5 @@ def observed(before: WhiteNoise, difference: Vec3, dt_s: float) -> WhiteNoise:
         before.by_one + weight * (by_one - before.by_one),
         before.by_two + weight * (by_two - before.by_two),
         memory_s,
+        before.changing_s + (dt_s if dot(difference, difference) > 0.0 else 0.0),
     )

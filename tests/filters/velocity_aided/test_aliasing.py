@@ -57,7 +57,7 @@ def test_an_acceleration_between_samples_is_no_contradiction_and_does_not_weaken
     gnss, t_ns = navigation.gnss, navigation.imu.history.newest.t_ns
     north, east, _ = navigation.estimate.velocity
     fix = VelocitySample("GPS_RAW_INT", 1, 1, t_ns, t_ns, (north + 4.0, east, 0.0), False, RECEIVER)
-    parameters = FlightParameters()
+    parameters = FlightParameters(fix_jitter_s=0.036)
     calm_nav, calm = fuse_velocity(navigation.estimate, hiding(navigation.imu, 0.0), gnss, fix, True, parameters)
     nav, shaken = fuse_velocity(navigation.estimate, hiding(navigation.imu, 100.0), gnss, fix, True, parameters)
     assert shaken.innovation.variance[0] - calm.innovation.variance[0] == pytest.approx(3.6**2)

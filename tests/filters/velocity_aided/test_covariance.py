@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from attest_mav.algebra import q_heading, q_to_matrix
-from attest_mav.filters.velocity_aided.covariance import Covariance, ProcessNoise, propagated
+from attest_mav.filters.velocity_aided.covariance import Covariance, ProcessNoise, drifted, propagated
 from attest_mav.filters.velocity_aided.covariance_blocks import (
     ErrorBlock,
     decoupled,
@@ -17,7 +17,7 @@ from attest_mav.filters.velocity_aided.covariance_blocks import (
 from attest_mav.filters.velocity_aided.measurement import Measurement, consider_updated, cross_covariance, updated
 from attest_mav.matrices import diagonal
 
-NAMES = "tvbsamd"
+NAMES = "tvbsamdr"
 SIZE = 3 * len(NAMES)
 BLOCKS = [x + y for i, x in enumerate(NAMES) for y in NAMES[i:]]
 
@@ -80,11 +80,18 @@ def test_blocks_are_taken_and_given_back(dense):
 
 def test_propagation_is_f_p_f_transposed_plus_q(rng, dense):
     rotation_dt, delta_velocity, rate = 0.02 * rng.normal(size=(3, 3)), rng.normal(size=3), rng.normal(size=3)
-    noise = ProcessNoise(1e-3, diagonal(2e-3), 3e-3, 4e-3, 5e-3)
+    noise = ProcessNoise(1e-3, diagonal(2e-3), 3e-3, 4e-3, 5e-3, 6e-3)
     result = to_dense(propagated(from_dense(dense), tuples(rotation_dt), floats(delta_velocity), floats(rate), noise))
     f = transition(rotation_dt, delta_velocity, rate)
-    q = np.diag(np.repeat([1e-3, 2e-3, 3e-3, 0.0, 4e-3, 5e-3, 0.0], 3))
+    q = np.diag(np.repeat([1e-3, 2e-3, 3e-3, 0.0, 4e-3, 5e-3, 0.0, 6e-3], 3))
     assert np.allclose(result, f @ dense @ f.T + q, rtol=1e-12, atol=1e-12)
+
+
+def test_the_bias_drifts_and_the_drift_rate_fades(dense):
+    f = np.eye(SIZE)
+    f[6:9, 21:24] = 0.3 * np.eye(3)
+    f[21:24, 21:24] = 0.9 * np.eye(3)
+    assert np.allclose(to_dense(drifted(from_dense(dense), 0.3, 0.9)), f @ dense @ f.T, rtol=1e-12, atol=1e-12)
 
 
 def random_measurement(rng):
@@ -122,13 +129,14 @@ def test_a_consider_update_is_the_joseph_form_with_no_gain_for_the_sensors(rng, 
     assert np.allclose(to_dense(consider_updated(from_dense(dense), cross_cov, k)), expected, rtol=1e-10, atol=1e-10)
     without = cross_cov.without_sensors()
     assert (without.t, without.v, without.b) == (cross_cov.t, cross_cov.v, cross_cov.b)
-    assert without.s == without.a == without.m == without.d == (0.0, 0.0, 0.0)
+    assert without.s == without.a == without.m == without.d == without.r == (0.0, 0.0, 0.0)
 
 
-def test_the_gyro_bias_is_known_no_better_than_its_floor(dense):
+def test_the_gyro_bias_is_known_no_better_than_its_floor_below_which_it_may_drift(dense):
     own = range(3 * ErrorBlock.GYRO_BIAS, 3 * ErrorBlock.GYRO_BIAS + 3)
     floored = dense.copy()
     floored[own, own] = np.maximum(np.diag(dense)[own], 20.0)
+    floored[:21, 21:] = floored[21:, :21] = 0.0
     assert not np.array_equal(floored, dense)
     assert np.array_equal(to_dense(with_gyro_bias_floor(from_dense(dense), 20.0)), floored)
 
@@ -151,20 +159,21 @@ def test_blocks_are_edited_by_name(dense, error):
 
 
 def test_errors_that_are_independent_make_a_block_diagonal(dense):
-    diagonals = [tuples(dense[3 * i : 3 * i + 3, 3 * i : 3 * i + 3]) for i in range(7)]
-    expected = np.where(np.kron(np.eye(7), np.ones((3, 3))) > 0.0, dense, 0.0)
+    diagonals = [tuples(dense[3 * i : 3 * i + 3, 3 * i : 3 * i + 3]) for i in range(8)]
+    expected = np.where(np.kron(np.eye(8), np.ones((3, 3))) > 0.0, dense, 0.0)
     assert np.array_equal(to_dense(diagonal_covariance(diagonals)), expected)
 
 
 def test_a_thousand_steps_and_updates_stay_symmetric_and_positive(rng):
-    covariance = from_dense(np.diag(np.repeat([1e-3, 0.1, 1e-5, 1e-5, 1e-3, 1e-4, 1e-3], 3)))
+    covariance = from_dense(np.diag(np.repeat([1e-3, 0.1, 1e-5, 1e-5, 1e-3, 1e-4, 1e-3, 1e-9], 3)))
     assert covariance.tt == diagonal(1e-3)
     for k in range(1000):
         rotation_dt, delta_velocity = np.linalg.qr(rng.normal(size=(3, 3)))[0] * 0.02, 0.2 * rng.normal(size=3)
-        noise = ProcessNoise(1e-8, diagonal(1e-6), 1e-12, 1e-12, 1e-12)
+        noise = ProcessNoise(1e-8, diagonal(1e-6), 1e-12, 1e-12, 1e-12, 1e-15)
         covariance = propagated(
             covariance, tuples(rotation_dt), floats(delta_velocity), floats(rng.normal(size=3)), noise
         )
+        covariance = drifted(covariance, 0.02, 0.9999)
         if k % 5 == 0:
             measurement = Measurement(0.0, t=floats(rng.normal(size=3)), v=(1.0, 0.0, 0.0), d=(0.0, 1.0, 0.0))
             cross_cov = cross_covariance(covariance, measurement)

@@ -20,8 +20,8 @@ ZERO = (0.0, 0.0, 0.0)
 
 
 def with_mag_lag(lag_s, sigma_s):
-    p = Covariance(*([NONE] * 27), diagonal(sigma_s**2))
-    return NavigationState((1.0, 0.0, 0.0, 0.0), *([ZERO] * 5), lag_s, 0.09, 0.0, p)
+    p = Covariance(*([NONE] * 33), diagonal(sigma_s**2), NONE, NONE)
+    return NavigationState((1.0, 0.0, 0.0, 0.0), *([ZERO] * 6), lag_s, 0.09, 0.0, p)
 
 
 def conditional(lag_s, sigma_s):

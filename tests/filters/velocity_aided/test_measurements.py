@@ -27,10 +27,11 @@ STEP = 1e-6
 def nav(t=(0, 0, 0), v=(0, 0, 0), m=(0, 0, 0), d=(0, 0, 0)):
     """The estimate moved by an error, so that it is the truth of that error."""
     turned = q_mul(q_exp(scale(tuple(map(float, t)), 0.5)), Q)
-    p = Covariance(*([NONE] * 28))
+    p = Covariance(*([NONE] * 36))
     return NavigationState(
         turned,
         add((12.0, -5.0, 1.0), tuple(map(float, v))),
+        (0.0, 0.0, 0.0),
         (0.0, 0.0, 0.0),
         (0.0, 0.0, 0.0),
         (0.0, 0.0, 0.0),
@@ -98,13 +99,13 @@ def test_the_whole_field_residual_has_the_covariance_that_the_errors_make():
     rng = np.random.default_rng(7)
     gyro, reference = (0.3, -0.5, 0.8), (0.4, 0.05, np.sqrt(1.0 - 0.4**2 - 0.05**2))
     root = rng.normal(size=(7, 7)) * 1e-4
-    p = np.zeros((21, 21))
+    p = np.zeros((24, 24))
     seven = [0, 1, 2, 15, 16, 17, 18]
     p[np.ix_(seven, seven)] = root @ root.T
     blocks = [
         tuple(tuple(float(x) for x in row) for row in p[3 * i : 3 * i + 3, 3 * j : 3 * j + 3])
-        for i in range(7)
-        for j in range(i, 7)
+        for i in range(8)
+        for j in range(i, 8)
     ]
 
     def at(t, m, delay):
@@ -152,8 +153,8 @@ def test_gravity_measurements(axis):
 @pytest.mark.parametrize(("residual", "delay"), [(-5.0, -0.15), (5.0, 0.4), (0.1, 0.2)])
 def test_a_delay_stays_one_that_can_be(residual, delay):
     """From the future, or from before the history, no fix would ever match a row again."""
-    p = Covariance(*([NONE] * 27), diagonal(1.0))
-    before = NavigationState(Q, *([(0.0, 0.0, 0.0)] * 5), 0.05, 0.1, 0.02, p)
+    p = Covariance(*([NONE] * 33), diagonal(1.0), NONE, NONE)
+    before = NavigationState(Q, *([(0.0, 0.0, 0.0)] * 6), 0.05, 0.1, 0.02, p)
     measurement = Measurement(residual, d=(0.0, 1.0, 0.0))
     after = update(before, measurement, cross_covariance_of(before, measurement), 1e-12)
     assert (after.mag_lag_s, after.fix_lag_s, after.declination_error) == pytest.approx((0.05, delay, 0.02), abs=1e-9)

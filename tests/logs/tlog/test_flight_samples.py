@@ -22,6 +22,7 @@ COPTER = {
     "SYSTEM_TIME": 621,
     "EKF_STATUS_REPORT": 1553,
     "SYS_STATUS": 621,
+    "PARAM_VALUE": 2,
 }
 """Messages by type, counted once with pymavlink 2.4.50. GPS_RAW_INT apart: without a fix it gives no samples."""
 

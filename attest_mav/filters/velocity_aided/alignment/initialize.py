@@ -73,12 +73,14 @@ def restarted_navigation(
 ) -> Navigation:
     """The navigation after a gap or a failure, at the reading of ``t_ns``: the sensor errors stay as they are known.
 
-    gap_s: time since the earlier navigation ended, in which the gyro's bias has wandered.
+    gap_s: time since the earlier navigation ended, in which the gyro's bias has wandered, by no more
+    than that of any gyro.
     """
     velocity_variance = initial.velocity_sigma**2
     nav = before.estimate.restarted(initial.q_nb, initial.attitude, initial.velocity, velocity_variance)
-    walk = parameters.gyro_bias_walk**2 * gap_s
-    nav = nav.with_added_variance(ErrorBlock.GYRO_BIAS, (walk, walk, walk))
+    wandered = parameters.gyro_bias_walk**2 * gap_s + (parameters.gyro_drift_sigma * gap_s) ** 2
+    added = min(wandered, parameters.gyro_bias_sigma**2)
+    nav = nav.with_added_variance(ErrorBlock.GYRO_BIAS, (added, added, added))
     return Navigation(
         estimate=nav,
         imu=initial_memory(nav, reading, t_ns),
@@ -110,6 +112,7 @@ def _first_state(
         q_nb=initial.q_nb,
         velocity=initial.velocity,
         gyro_bias=bias,
+        gyro_drift=zero,
         gyro_scale=zero,
         accel_bias=known.accel_bias.mean,
         hard_iron=known.hard_iron.mean,
@@ -125,6 +128,7 @@ def _first_state(
                 known.accel_bias.covariance,
                 known.hard_iron.covariance,
                 first_lag_covariance(declination_sigma, parameters),
+                diagonal(parameters.gyro_drift_sigma**2),
             ]
         ),
     )
