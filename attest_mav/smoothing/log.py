@@ -44,8 +44,8 @@ def smooth(
     parts = parts_of(flight, Scratch())
     if parts is None:
         raise UnreadableDataError(
-            f"{flight.imu} shows no attitude that a smoother could begin with; expected some seconds of it without a "
-            "gap"
+            f"{flight.imu} shows no attitude that a smoother could begin with; expected some seconds without a gap, "
+            "with a compass or a velocity that changes"
         )
     return parts.whole()
 

@@ -80,6 +80,8 @@ class Stretch:
     """Row of the reading whose attitude is known."""
     q_nb: Quat
     """That attitude."""
+    has_heading: bool = True
+    """Whether that is known of it too: neither compass nor velocity may have shown it."""
 
 
 @dataclass(frozen=True)

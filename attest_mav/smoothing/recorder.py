@@ -40,6 +40,8 @@ PACK_FIELD_READING: Final = Struct(FIELD_READING_FORMAT).pack
 SETTLED_SPACING_S: Final = 10.0
 """At rest for longer than ``SETTLED_S`` one fix and one magnetometer reading in this time is kept, s: their errors stay
 the same, and many of them would count as knowledge."""
+UNKNOWN_HEADING: Final = 1.0
+"""rad: a heading with a larger 1-sigma is not known, and no model is linear about it."""
 
 
 class Recorder(AttitudeFilter):
@@ -159,12 +161,15 @@ class Recorder(AttitudeFilter):
         initial = solve_alignment(alignment, declination, inputs.inclination, self.parameters)
         if initial is not None:
             q_nb = q_mul(initial.q_nb, q_conj(alignment.rotation.q_start_body))
-            self._stretches.append(Stretch(self._begin, self._alignment_row, q_nb))
+            has_heading = initial.attitude[2][2] < UNKNOWN_HEADING**2
+            self._stretches.append(Stretch(self._begin, self._alignment_row, q_nb, has_heading))
 
     def recording(self) -> Recording | None:
-        """Everything recorded; None without an alignment anywhere."""
+        """Everything recorded; None without an alignment anywhere, or a heading of a flight to begin with."""
         self._begin_stretch(len(self._readings))
         if not any(one.q_nb != (1.0, 0.0, 0.0, 0.0) for one in self._stretches):
+            return None
+        if len(self._fixes) and not self._stretches[0].has_heading:
             return None
         fixes = np.array(self._fixes).reshape(-1, 6)
         fixes = fixes[np.argsort(fixes[:, 0], kind="stable")]
