@@ -170,6 +170,7 @@ BARE_SENSOR: Final = FlightParameters(
     accel_bias_sigma=0.08,
     gyro_rate_noise=2e-3,
     accel_noise=0.015,
+    accel_noise_unseen=0.015,
 )
 """Parameters for readings as a sensor gives them: neither low-passed nor late, as an autopilot's messages are. Its axes
 are misaligned by some tenths of a per cent, which is noise that grows with the rate; its accelerometer is not shaken by
