@@ -119,19 +119,7 @@ class NavigationState(Record):
 
     def with_motion(self, q_nb: Quat, velocity: Vec3, covariance: Covariance) -> "NavigationState":
         """The state with another attitude and velocity; the sensor errors stay."""
-        return NavigationState(
-            q_nb,
-            velocity,
-            self.gyro_bias,
-            self.gyro_drift,
-            self.gyro_scale,
-            self.accel_bias,
-            self.hard_iron,
-            self.mag_lag_s,
-            self.fix_lag_s,
-            self.declination_error,
-            covariance,
-        )
+        return self.propagated(q_nb, velocity, 0.0, 1.0, covariance)
 
     def restarted(self, q_nb: Quat, attitude: Mat3, velocity: Vec3, velocity_variance: float) -> "NavigationState":
         """The state with a new attitude and velocity, independent of the sensor errors, which stay as they are known.
